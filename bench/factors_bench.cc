@@ -43,11 +43,12 @@ LocalFrame Frame() { return LocalFrame({46.57 * kRadPerDeg, 6.52 * kRadPerDeg, 0
 
 /// Automatic differentiation of a factor's own residual, for comparison.
 template <class F>
-struct AutoTwin;
+struct AutoReference;
 
 template <>
-struct AutoTwin<GnssPosition> : AutoFactor<AutoTwin<GnssPosition>, 3, Rotation, Vec<3>, Vec<3>> {
-  explicit AutoTwin(const GnssPosition& f) : factor(f) {}
+struct AutoReference<GnssPosition>
+    : AutoFactor<AutoReference<GnssPosition>, 3, Rotation, Vec<3>, Vec<3>> {
+  explicit AutoReference(const GnssPosition& f) : factor(f) {}
   template <class T>
   bool Residual(const T* q, const T* p, const T* a, T* r) const {
     return factor.Residual(q, p, a, r);
@@ -56,9 +57,10 @@ struct AutoTwin<GnssPosition> : AutoFactor<AutoTwin<GnssPosition>, 3, Rotation, 
 };
 
 template <>
-struct AutoTwin<PointToPoint> : AutoFactor<AutoTwin<PointToPoint>, 3, Rotation, Vec<3>, Vec<3>,
-                                           Rotation, Vec<3>, Vec<3>, LeftRotation, Vec<3>, Vec<1>> {
-  explicit AutoTwin(const PointToPoint& f) : factor(f) {}
+struct AutoReference<PointToPoint>
+    : AutoFactor<AutoReference<PointToPoint>, 3, Rotation, Vec<3>, Vec<3>, Rotation, Vec<3>, Vec<3>,
+                 LeftRotation, Vec<3>, Vec<1>> {
+  explicit AutoReference(const PointToPoint& f) : factor(f) {}
   template <class T>
   bool Residual(const T* q_i, const T* p_i, const T* v_i, const T* q_j, const T* p_j, const T* v_j,
                 const T* q_boresight, const T* a, const T* dt, T* r) const {
@@ -69,10 +71,10 @@ struct AutoTwin<PointToPoint> : AutoFactor<AutoTwin<PointToPoint>, 3, Rotation, 
 
 /// Has two gyro and two accelerometer bias processes, like the presets.
 template <>
-struct AutoTwin<PreintegratedInertial>
-    : AutoFactor<AutoTwin<PreintegratedInertial>, 9, Rotation, Vec<3>, Vec<3>, Rotation, Vec<3>,
-                 Vec<3>, Vec<3>, Vec<3>, Vec<3>, Vec<3>> {
-  explicit AutoTwin(const PreintegratedInertial& f) : factor(f) {}
+struct AutoReference<PreintegratedInertial>
+    : AutoFactor<AutoReference<PreintegratedInertial>, 9, Rotation, Vec<3>, Vec<3>, Rotation,
+                 Vec<3>, Vec<3>, Vec<3>, Vec<3>, Vec<3>, Vec<3>> {
+  explicit AutoReference(const PreintegratedInertial& f) : factor(f) {}
   template <class T>
   bool Residual(const T* q_i, const T* p_i, const T* v_i, const T* q_j, const T* p_j, const T* v_j,
                 const T* g_0, const T* g_1, const T* a_0, const T* a_1, T* r) const {
@@ -177,7 +179,7 @@ template <class F>
 void BM_Autodiff(benchmark::State& state) {
   constexpr double kSame = 1e-9;
   const F factor = Make<F>();
-  const AutoTwin<F> twin(factor);
+  const AutoReference<F> twin(factor);
   if (JacobianDifference(factor, twin, Workspace(factor).x()) > kSame) {
     state.SkipWithError("the Jacobians differ from the analytic ones");
     return;

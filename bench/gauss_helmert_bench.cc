@@ -61,12 +61,12 @@ BENCHMARK(BM_AdjustGaussHelmert)
 void BM_TrajectoryScatter(benchmark::State& state) {
   const GaussHelmertProblem problem = NoisyPairs(static_cast<int>(state.range(0)));
   const GaussHelmertResult result = AdjustGaussHelmert(problem);
-  TrajectoryScatterOptions options;
+  TrajectoryErrorOptions options;
   options.sigma_ned_m = problem.pairs.front().i.sigma_ned_m;
   options.sigma_rph_rad = problem.pairs.front().i.sigma_rph_rad;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        EstimateTrajectoryScatter(problem, result, BoresightModel::kExponential, options));
+        EstimateCorrelatedErrorCovariance(problem, result, BoresightModel::kExponential, options));
   }
 }
 BENCHMARK(BM_TrajectoryScatter)->Arg(5000)->Arg(50000)->Arg(1000000)->Unit(benchmark::kMillisecond);

@@ -73,7 +73,7 @@ struct Truth {
 Truth ReadTruth(const fs::path& folder) {
   const Flight flight = ReadFlight(folder, {});
   Truth truth;
-  truth.poses = ReadTrajectory(folder / "reference.out").InMap(flight.frame);
+  truth.poses = ReadTrajectory(folder / "reference.out").ToMapPoses(flight.frame);
   truth.mounting = flight.config.lidar->mounting;
   truth.mounting.boresight_rad = *ReadTrueBoresightDeg(folder) * kRadPerDeg;
   truth.gsd_m = flight.config.lidar->gsd_m.value_or(0.0);

@@ -45,11 +45,11 @@ struct Count {
 std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed) {
   DesignOptions planning;
   planning.seed = seed;
-  const StudyDesign design = DesignOf(scenario, planning);
+  const StudyDesign design = MakeDesign(scenario, planning);
   GapOptions options;
   options.effects = kEffects;
   std::map<std::string, double> sizes;
-  for (const HiddenEffect& effect : HiddenOnDesign(AtStates(design), options)) {
+  for (const DetectionLimit& effect : DesignDetectionLimits(SolveAtStates(design), options)) {
     if (std::isfinite(effect.minimal_detectable)) sizes[effect.effect] = effect.minimal_detectable;
   }
   return sizes;

@@ -82,7 +82,8 @@ class Rms {
 
 void CompareWithReference(const Smoothed& smoothed) {
   const FlightNetwork& network = smoothed.solution.network();
-  const std::vector<MapPose> reference = smoothed.flight.reference->InMap(smoothed.flight.frame);
+  const std::vector<MapPose> reference =
+      smoothed.flight.reference->ToMapPoses(smoothed.flight.frame);
   const auto each_node = [&](const std::function<void(const MapPose&, const MapPose&)>& use) {
     for (std::size_t k = 0; k < network.nodes.size(); ++k) {
       const MapPose estimate = network.NodePose(k);

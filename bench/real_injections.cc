@@ -7,9 +7,9 @@
 /// above which its effect should be named. The size of the error is estimated as the difference of
 /// the estimates with and without it.
 #include <dn/adjustment/solution.h>
-#include <dn/effects/effect_table.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/effects/effect_table.h>
 #include <dn/geo/nearest_pose.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -141,9 +141,10 @@ Estimate EstimateOf(const Flight& flight, const Error& error, const EffectTimes&
   throw InvalidInput("no estimate of " + error.effect);
 }
 
-const HiddenEffect& Limit(const GapDiagnosis& diagnosis, const std::string& effect) {
-  const auto at = std::find_if(diagnosis.could_still_hide.begin(), diagnosis.could_still_hide.end(),
-                               [&](const HiddenEffect& hidden) { return hidden.effect == effect; });
+const DetectionLimit& Limit(const GapDiagnosis& diagnosis, const std::string& effect) {
+  const auto at =
+      std::find_if(diagnosis.could_still_hide.begin(), diagnosis.could_still_hide.end(),
+                   [&](const DetectionLimit& hidden) { return hidden.effect == effect; });
   if (at == diagnosis.could_still_hide.end()) throw InvalidInput("no limit of " + effect);
   return *at;
 }
@@ -163,7 +164,7 @@ void PrintEstimates(const Flight& flight, const Flight& with, const Error& error
 
 void Try(const Flight& flight, const Solution& measured, const GapDiagnosis& before,
          const Error& error) {
-  const HiddenEffect& limit = Limit(before, error.effect);
+  const DetectionLimit& limit = Limit(before, error.effect);
   const EffectSpec& spec = *FindEffect(error.effect);
   const double size =
       kTimesIdentifiable * limit.minimal_identifiable.value_or(2.0 * limit.minimal_detectable);

@@ -2,9 +2,9 @@
 /// with ceres::Covariance for comparison on the smallest flight. Also the solution with and without
 /// Ceres.
 #include <benchmark/benchmark.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/node_grid.h>
-#include <dn/adjustment/adjust.h>
 #include <dn/navigation/alignment.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>
@@ -117,7 +117,7 @@ void BM_Solve(benchmark::State& state, const std::string& size, bool undamped) {
     const SolveReport report = Solve(net, {.function_tolerance = 1e-13,
                                            .sigma_tolerance = 1e-3,
                                            .initial_trust_region_radius = 1e13,
-                                           .begin_undamped = undamped,
+                                           .start_undamped = undamped,
                                            .second_attempt = false});
     if (!report.converged) state.SkipWithError(report.message.c_str());
     state.counters["iterations"] = report.iterations;

@@ -31,7 +31,7 @@ int main() {
   const dn::TimeInterval end{60.0, 100.0};
   AdjustWithheld("inertial data alone", *flight, end, [](dn::FlightNetwork&) {});
 
-  const std::vector<dn::MapPose> reference = flight->reference->InMap(flight->frame);
+  const std::vector<dn::MapPose> reference = flight->reference->ToMapPoses(flight->frame);
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise(0.0, kSigma_mps);
   dn::Block<dn::Scalar> scale, angle;

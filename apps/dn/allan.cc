@@ -74,7 +74,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
   std::vector<std::vector<AllanPoint>> curves;
   for (int i = 0; i < 3; ++i) {
     run->progress.Stage("Allan variance", fmt::format("{} {}", units.name, kAxes[i]));
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
     const std::vector<double> values = AxisValues(imu, gyro, i);
     Axis axis;
     axis.mean = MeanRate(values);
@@ -356,11 +356,11 @@ void AddAllan(CLI::App* program, Action* action) {
       ->check(PositiveNumber());
   app->add_option("--format", options->format,
                   "File format, odyn or increments, as imu.format of flight.yaml")
-      ->check(OneOf({"odyn", "increments"}))
+      ->check(AllowedValues({"odyn", "increments"}))
       ->capture_default_str();
   app->add_option("--body", options->body,
                   "Body axes of the file: FRD (forward, right, down) or FLU (forward, left, up)")
-      ->check(OneOf({"FRD", "FLU"}))
+      ->check(AllowedValues({"FRD", "FLU"}))
       ->capture_default_str();
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn allan static/IMU.txt --rate 200 --out noise");

@@ -1,5 +1,5 @@
-#include <dn/error.h>
 #include <dn/blind_check/blind_score.h>
+#include <dn/error.h>
 #include <dn/names.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
@@ -48,7 +48,7 @@ Json ScenariosJson(const std::vector<std::string>& scenarios) {
   return names;
 }
 
-std::string FailureOf(const BlindRecord& record) {
+std::string FirstFailure(const BlindRecord& record) {
   for (const std::string& failure :
        {record.diagnosis.failure, record.calibrated.failure, record.adapted.failure}) {
     if (!failure.empty()) return failure;
@@ -72,11 +72,11 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
     }
     records[k] = std::move(*record);
   };
-  const auto landed = [&](std::size_t k) {
-    const std::string failure = FailureOf(records[k]);
+  const auto on_finished = [&](std::size_t k) {
+    const std::string failure = FirstFailure(records[k]);
     if (!failure.empty()) run->progress.Warn(fmt::format("flight {}: {}", numbers[k], failure));
   };
-  FlyAll(numbers.size(), run, fly, landed);
+  SimulateAll(numbers.size(), run, fly, on_finished);
   return records;
 }
 
@@ -102,9 +102,9 @@ PlotPanel ReliabilityPanel(const BlindScore& score) {
   PlotSeries seen{"observed", {}, PlotStyle::kPoints};
   PlotSeries interval_95{"95 % confidence interval", {}, PlotStyle::kSpans};
   for (const ReliabilityBin& bin : score.reliability) {
-    if (bin.true_ones.of == 0) continue;
-    const Interval interval = bin.true_ones.interval_95();
-    seen.points.emplace_back(bin.stated, bin.true_ones.value());
+    if (bin.true_causes.of == 0) continue;
+    const Interval interval = bin.true_causes.interval_95();
+    seen.points.emplace_back(bin.stated, bin.true_causes.value());
     interval_95.points.emplace_back(bin.stated, interval.low);
     interval_95.points.emplace_back(bin.stated, interval.high);
   }
@@ -127,7 +127,7 @@ PlotPanel BoresightPanel(const std::string& label, const std::vector<BlindRecord
 void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, Run* run) {
   const auto reliability =
       DrawSvg("posterior of a cause: stated probability and observed frequency", "stated",
-              {ReliabilityPanel(score)}, SignalCame);
+              {ReliabilityPanel(score)}, SignalReceived);
   if (!reliability) {
     run->progress.Warn("no plots: gnuplot is not installed or failed");
     return;
@@ -136,7 +136,7 @@ void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, 
   const auto errors = DrawSvg("boresight errors in sigmas", "flight",
                               {BoresightPanel("as assumed", records, &BlindRecord::calibrated),
                                BoresightPanel("adapted", records, &BlindRecord::adapted)},
-                              SignalCame);
+                              SignalReceived);
   if (errors) run->AddFile("boresight_errors.svg", *errors);
 }
 
@@ -182,7 +182,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
   app->add_option("--gap-options", options->gap_options,
                   "Depth of the diagnosis by dn gap: full, quick (--quick) or screen "
                   "(--screen-only)")
-      ->check(OneOf({"full", "quick", "screen"}))
+      ->check(AllowedValues({"full", "quick", "screen"}))
       ->capture_default_str();
   app->add_option("--shard", options->shard,
                   "i/N: simulates only every N-th flight, starting with the i-th; dn merge joins "
@@ -193,7 +193,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
       app->add_option("--only", options->only,
                       "Content of every flight: no effect, one, two, or one that the table of "
                       "effects does not have")
-          ->check(OneOf({"nothing", "one", "two", "outsider"}));
+          ->check(AllowedValues({"nothing", "one", "two", "outsider"}));
   app->add_flag_callback(
          "--left-out", [options] { options->only = Word(BlindContent::kLeftOut); },
          "Every flight contains one effect, which dn gap must not consider")
@@ -214,7 +214,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
         std::copy(inputs.files.begin(), inputs.files.end(),
                   std::back_inserter(options->common.inputs.files));
       }
-      options->common.keeps_records = true;
+      options->common.resumable = true;
       return Execute("blind-check", options->common, [&](Run& run) { BlindCheck(*options, run); });
     };
   });

@@ -1,10 +1,10 @@
 #include "blind_flight_run.h"
 
 #include <dn/adjustment/adjust.h>
+#include <dn/diagnosis/signature.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/files/atomic_file.h>
-#include <dn/diagnosis/signature.h>
 #include <dn/interrupted.h>
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>
@@ -47,7 +47,7 @@ SimulateOptions MakeSimulateOptions(const BlindFlight& flight) {
   SimulateOptions simulate;
   simulate.seed = flight.seed;
   simulate.progress = [](const std::string&, double) {
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
   };
   if (flight.outsider) simulate.own = MakeOwnErrors(*flight.outsider, flight.scenario);
   return simulate;
@@ -70,13 +70,13 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
 
 /// Computes the signature of the single effect in a flight. Returns nullopt for no or two effects,
 /// for an effect of another kind than kFixed, and if the computation fails.
-std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
+std::optional<BlindSignature> ContentSignature(const BlindFlight& flight) {
   const BlindContent content = flight.content();
   if (content == BlindContent::kNothing || content == BlindContent::kTwoEffects) {
     return std::nullopt;
   }
   dn::GapOptions options;
-  options.interrupted = [] { return SignalCame(); };
+  options.interrupted = [] { return SignalReceived(); };
   for (const Effect& effect : flight.scenario.effects) {
     if (FindEffect(effect.name)->kind != EffectKind::kFixed) return std::nullopt;
     if (flight.left_out) options.left_out.push_back(effect.name);
@@ -118,7 +118,8 @@ Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path&
   command.insert(command.end(), {"--threads", "1", "--out", out.string()});
   fs::path log = out;
   log += ".log";
-  const ProcessUsage usage = RunProgram(command, log, {kLongestRun_s, [] { return SignalCame(); }});
+  const ProcessUsage usage =
+      RunProgram(command, log, {kLongestRun_s, [] { return SignalReceived(); }});
   constexpr int kFirstSignal = 128;
   if (usage.exit_code > kFirstSignal) RemoveStaged(out);
   Outcome<T> outcome;
@@ -166,10 +167,10 @@ void RunCommands(const Places& places, const std::vector<std::string>& gap_optio
 BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& options) {
   const Places places(options.out, flight.number);
   ExpectRealFolder(places.flight);
-  BlindRecord record = TruthOf(flight);
+  BlindRecord record = MakeTruthRecord(flight);
   try {
     WriteFlight(flight, places);
-    record.signature = SignatureOfContent(flight);
+    record.signature = ContentSignature(flight);
   } catch (const InvalidInput& error) {
     record.diagnosis.failure = std::string("the flight cannot be simulated: ") + error.what();
     return record;

@@ -66,18 +66,18 @@ void PrintAssessment(const BoresightResult& boresight) {
 }
 
 /// Prints the effects that may be present without being detected.
-void PrintUnseen(const std::vector<UnseenEffect>& unseen) {
-  constexpr std::size_t kMostTold = 3;
+void PrintUnseen(const std::vector<UndetectableEffect>& unseen) {
+  constexpr std::size_t kMaxPrinted = 3;
   if (unseen.empty()) return;
   fmt::print("effects not detectable at their typical size (dn gap lists more):\n");
-  for (std::size_t k = 0; k < std::min(kMostTold, unseen.size()); ++k) {
-    const UnseenEffect& one = unseen[k];
+  for (std::size_t k = 0; k < std::min(kMaxPrinted, unseen.size()); ++k) {
+    const UndetectableEffect& one = unseen[k];
     const std::string shows = std::isfinite(one.minimal_detectable)
                                   ? fmt::format("detectable from {:.2g}", one.minimal_detectable)
                                   : "never detectable";
     fmt::print("  {}{}{}, {:.2g} {}: would move the boresight by {:.1f} sigma, {}\n", one.name,
-               one.component.empty() ? "" : " ", one.component, one.usual, one.unit, one.damage,
-               shows);
+               one.component.empty() ? "" : " ", one.component, one.usual, one.unit,
+               one.max_shift_sigmas, shows);
   }
 }
 
@@ -130,7 +130,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
 }
 
 /// Prints the sigmas of a method on a fixed trajectory, by source.
-void PrintSigmas(const BoresightResult& boresight, const TrajectoryScatter& scatter,
+void PrintSigmas(const BoresightResult& boresight, const CorrelatedErrorCovariance& scatter,
                  const Eigen::Matrix3d& constant_rad2) {
   const auto print_sigmas = [](const char* title, const Eigen::Vector3d& rad) {
     fmt::print("  {:<43} {:>10.6f} {:>10.6f} {:>10.6f}\n", title, rad.x() * kDegPerRad,
@@ -232,7 +232,7 @@ GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run
   GaussHelmertFlightOptions options;
   options.threads = run->options().threads;
   options.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
-  options.interrupted = [] { return apps::SignalCame(); };
+  options.interrupted = [] { return apps::SignalReceived(); };
   GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}};
   out.timings.read_s = read_s;
   out.timings.solve_s = out.calibration.solve_time_s;
@@ -276,7 +276,7 @@ struct NetworkRun {
 
 NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   const Solution& solution = *flight_run->solution;
-  PoseInterpolator poses(flight_run->trajectory.InMap(flight_run->flight.frame));
+  PoseInterpolator poses(flight_run->trajectory.ToMapPoses(flight_run->flight.frame));
   std::vector<PairResidual> pairs = PairResiduals(solution.network(), poses);
   return {std::move(flight_run), solution.CheckedBoresight(), solution.Unknowns(), std::move(poses),
           std::move(pairs)};
@@ -288,7 +288,7 @@ void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
                const PoseInterpolator& poses, Run* run) {
   const std::vector<std::string>& staged = run->files().staged();
   if (std::find(staged.begin(), staged.end(), "swaths.json") != staged.end()) return;
-  run->AddFile("swaths.json", FormatSwaths(SwathsOfPairs(FindStrips(flight), pairs, poses)));
+  run->AddFile("swaths.json", FormatSwaths(MakeSwaths(FindStrips(flight), pairs, poses)));
 }
 
 /// Stages the files of the dynamic network. suffix: distinguishes the methods of a run.
@@ -326,7 +326,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
 void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
                           const std::string& suffix, Run* run) {
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
-  AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->InMap(flight.frame)), run);
+  AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->ToMapPoses(flight.frame)), run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(flight.config.name, gh.calibration, pairs, gh.timings)));
@@ -380,13 +380,13 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
 }
 
 /// Plane calibration as part of --method all; `missing` says why there is no result.
-struct PlanesOfAll {
+struct OptionalPlanes {
   std::optional<PlaneRun> run;
   std::string missing;
 };
 
-PlanesOfAll TryPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
-  PlanesOfAll out;
+OptionalPlanes TryPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
+  OptionalPlanes out;
   out.missing = WhyNoPlanes(flight.config);
   if (!out.missing.empty()) return out;
   try {
@@ -406,8 +406,8 @@ void PrintDifference(const char* names, const MethodDifference& difference) {
              d.x(), d.y(), d.z(), sigma.x(), sigma.y(), sigma.z(), difference.p_value);
 }
 
-void PrintPlanesOfAll(const FlightConfig& config, const PlanesOfAll& planes,
-                      const BoresightResult& network) {
+void PrintPlanesOrReason(const FlightConfig& config, const OptionalPlanes& planes,
+                         const BoresightResult& network) {
   if (!planes.run) {
     fmt::print("planes: no result: {}\n", planes.missing);
     return;
@@ -420,7 +420,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   double read_s = 0.0;
   Flight flight = ReadForGaussHelmert(config, true, &read_s, &run);
   GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
-  const PlanesOfAll planes = TryPlanes(options, flight, &run);
+  const OptionalPlanes planes = TryPlanes(options, flight, &run);
   const NetworkRun network =
       CalibrateByNetwork(AdjustFlight(std::move(flight), read_s, true, &run));
   AssessAgainstNetwork(network.boresight, &gh.calibration);
@@ -443,7 +443,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   PrintResult(config, gh.calibration, gh.timings);
   PrintDifference("gh - dn", Compare(gh.calibration.boresight, network.boresight));
-  PrintPlanesOfAll(config, planes, network.boresight);
+  PrintPlanesOrReason(config, planes, network.boresight);
   FailUnlessReliable(results);
 }
 
@@ -491,7 +491,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
          "in overlapping strips on a fixed trajectory; all: all three and their comparison. "
          "Default: dn, or gh if flight.yaml has no inertial data. Strips without pairs are matched "
          "first")
-      ->check(OneOf({"dn", "gh", "planes", "all"}));
+      ->check(AllowedValues({"dn", "gh", "planes", "all"}));
   app->add_option("--trajectory", options->trajectory,
                   "Smoothed trajectory for gh and planes (SBET .out or text). Default: that of "
                   "the flight");

@@ -20,12 +20,12 @@ std::string WhyNoPlanes(const FlightConfig& config) {
 PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                            const std::string& trajectory, Run* run) {
   const auto start = std::chrono::steady_clock::now();
-  const MatchedFlight opened = OpenStripsOfFlight(config, trajectory, kLastReturns, *run);
+  const MatchedFlight opened = OpenFlightStrips(config, trajectory, kLastReturns, *run);
   SharePlanesOptions options;
   options.strips.gsd_m = flight.config.lidar->gsd_m;
   options.strips.threads = run->options().threads;
   options.strips.progress = [run](const std::string& stage) {
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
     run->progress.Stage(stage);
   };
   SharedPlanes shared = FindSharedPlanes(flight, opened.source.get(), options);
@@ -47,7 +47,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
   calibrate.vectors = opened.origin;
   calibrate.threads = run->options().threads;
   calibrate.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
-  calibrate.interrupted = [] { return apps::SignalCame(); };
+  calibrate.interrupted = [] { return apps::SignalReceived(); };
   out.calibration = CalibratePlanes(flight, std::move(shared.planes), calibrate);
   out.timings.solve_s = out.calibration.solve_time_s;
   out.timings.covariance_s = out.calibration.covariance_time_s;

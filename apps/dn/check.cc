@@ -68,7 +68,7 @@ class PartReader {
   }
 
   void AddProblem(const InvalidInput& error) {
-    const std::string text = WithLocation(error);
+    const std::string text = FormatWithLocation(error);
     if (std::find(contents_.problems.begin(), contents_.problems.end(), text) !=
         contents_.problems.end()) {
       return;
@@ -200,12 +200,12 @@ void SummarisePairs(const Flight& flight, Json* json) {
     PrintLine(line);
     list.push_back(LineJson(line));
   }
-  for (const auto& [name, pairs] : PairsOfStrips(flight, strips)) {
+  for (const auto& [name, pairs] : CountStripPairs(flight, strips)) {
     fmt::print("                strips {}: {} pairs, in {} of 20 tenths of the two\n", name,
                pairs.count, pairs.tenths);
     between[name] = {{"count", pairs.count}, {"tenths", pairs.tenths}};
   }
-  const std::string geometry = GeometryInWords(lines, MeanRange(flight.pairs->pairs));
+  const std::string geometry = DescribeGeometry(lines, MeanRange(flight.pairs->pairs));
   if (!geometry.empty()) fmt::print("                {}\n", geometry);
   (*json)["pairs"] = {{"count", flight.pairs->pairs.size()},
                       {"files", flight.pairs->files.size()},

@@ -28,7 +28,7 @@ constexpr const char* kPageName = "report.html";
 
 std::string InterruptedText(const CommonOptions& options) {
   std::string text = "interrupted; no result was written";
-  if (options.keeps_records) {
+  if (options.resumable) {
     text += "; finished work is kept, run the same command again to continue";
   }
   return text;
@@ -59,14 +59,14 @@ std::string OutputText(const std::filesystem::filesystem_error& error) {
 
 Failure Classify(const std::exception& error, const std::string& command,
                  const CommonOptions& options) {
-  if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || SignalCame()) {
+  if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || SignalReceived()) {
     return {130, "interrupted", InterruptedText(options)};
   }
   if (const auto* config = dynamic_cast<const InvalidConfig*>(&error)) {
-    return {2, "configuration", WithLocation(*config)};
+    return {2, "configuration", FormatWithLocation(*config)};
   }
   if (const auto* input = dynamic_cast<const InvalidInput*>(&error)) {
-    return {1, "input", WithLocation(*input)};
+    return {1, "input", FormatWithLocation(*input)};
   }
   if (dynamic_cast<const RankDeficient*>(&error) != nullptr)
     return {1, "not_observable", error.what()};
@@ -105,7 +105,7 @@ bool FlushStandardOutput(const std::string& command) {
   return written;
 }
 
-std::string WithLocation(const InvalidInput& error) {
+std::string FormatWithLocation(const InvalidInput& error) {
   const std::string where = error.where().ToString();
   const std::string what = error.what();
   return where.empty() || Names(what, where) ? what : what + " (" + where + ")";
@@ -181,7 +181,7 @@ OutputDirectory& Run::files() {
 
 void Run::TakeOutput() {
   if (options_.out.empty()) return;
-  ExpectHarmless(options_.out, options_.inputs, options_.makes_flight);
+  ExpectHarmless(options_.out, options_.inputs, options_.writes_flight);
   files_ = std::make_unique<OutputDirectory>(options_.out);
   files_->Protect(options_.inputs.All());
   const std::string interrupted = InterruptedText(options_);
@@ -198,7 +198,7 @@ void Run::AddFile(const std::string& name, const std::string& content) {
 // fails, the result is published without it.
 void Run::AddPage() {
   try {
-    files_->Add(kPageName, ToHtml(PageOf(files_->staging())));
+    files_->Add(kPageName, ToHtml(MakePage(files_->staging())));
   } catch (const InvalidInput& error) {
     progress.Warn(std::string("no report.html: ") + error.what());
   }

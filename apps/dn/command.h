@@ -27,8 +27,8 @@ struct CommonOptions {
   std::filesystem::path out;
   std::vector<std::string> changes;  ///< key=value of each --set; empty without a YAML file
   Inputs inputs;                     ///< files and folders that the command reads
-  bool makes_flight = false;         ///< the result is a flight folder
-  bool keeps_records = false;        ///< the command can be resumed after an interruption
+  bool writes_flight = false;        ///< the result is a flight folder
+  bool resumable = false;            ///< the command can be resumed after an interruption
 };
 
 /// Ends a run whose results are written but must not count as a success: the exit code is 1.
@@ -43,7 +43,7 @@ class FailedWithResults : public std::runtime_error {
 };
 
 /// Returns the error message with its file, line and column appended, if known.
-std::string WithLocation(const InvalidInput& error);
+std::string FormatWithLocation(const InvalidInput& error);
 
 /// Writes a line to stderr. A write error is ignored.
 void Say(const std::string& line);

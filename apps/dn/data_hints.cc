@@ -12,15 +12,15 @@ namespace dn::apps {
 namespace {
 
 // Smallest agreement of the directions. It is lower if the body rolls over or is carried around.
-constexpr double kLeastAgreement = 0.8;
+constexpr double kMinAgreement = 0.8;
 // Instruments are mounted along the axes of their carrier within this angle.
-constexpr double kMostAxesDistanceRad = 35.0 * kRadPerDeg;
+constexpr double kMaxAxesDistanceRad = 35.0 * kRadPerDeg;
 // Correlation above which two sensors measure the same turns.
 constexpr double kSameTurns = 0.9;
-constexpr double kLeastGain = 0.1;
+constexpr double kMinGain = 0.1;
 // Correlation of mirrored turns. It is lower because east and north have different scales.
 constexpr double kMirroredTurns = 0.7;
-constexpr double kLeastLagS = 1.0;
+constexpr double kMinLagS = 1.0;
 // Leap seconds between GPS time and UTC since 2006.
 constexpr double kLeapSecondsFrom = 14.0, kLeapSecondsTo = 18.0;
 // Distance from the origin beyond which LocalFrame loses digits.
@@ -29,8 +29,8 @@ constexpr double kFarOriginM = 1e5;
 constexpr double kLongestStepS = 5.0;
 
 bool Agree(const BodyDirections& directions) {
-  return directions.down_agreement >= kLeastAgreement &&
-         (!directions.course_b || directions.course_agreement >= kLeastAgreement);
+  return directions.down_agreement >= kMinAgreement &&
+         (!directions.course_b || directions.course_agreement >= kMinAgreement);
 }
 
 /// Returns the letter of the nearest body axis: F, R, D or, if opposite, B, L, U.
@@ -49,7 +49,7 @@ Eigen::Matrix3d InDeclaredBody(const FlightConfig& config, Eigen::Matrix3d R) {
 
 void HintAxes(const Flight& flight, const BodyDirections& found, std::vector<DataHint>* hints) {
   const AxesFit fit = FitAxes(found);
-  if (!Agree(found) || fit.distance_rad > kMostAxesDistanceRad || fit.R_turn.isIdentity()) return;
+  if (!Agree(found) || fit.distance_rad > kMaxAxesDistanceRad || fit.R_turn.isIdentity()) return;
   const Eigen::Matrix3d R = fit.R_turn * flight.config.imu->read.R_imu_to_body;
   const std::string matrix = MatrixText(InDeclaredBody(flight.config, R));
   std::string text = fmt::format(
@@ -99,8 +99,8 @@ void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<Da
     return;
   }
   const bool shifted = turns.best_correlation > kSameTurns &&
-                       turns.best_correlation - turns.correlation > kLeastGain &&
-                       std::abs(turns.best_lag_s) >= kLeastLagS;
+                       turns.best_correlation - turns.correlation > kMinGain &&
+                       std::abs(turns.best_lag_s) >= kMinLagS;
   if (shifted) HintLag(flight, turns, hints);
 }
 

@@ -16,8 +16,8 @@ namespace {
 class Fleet {
  public:
   Fleet(std::size_t count, Run* run, const std::function<void(std::size_t)>& fly,
-        const std::function<void(std::size_t)>& landed, const std::string& what)
-      : count_(count), run_(run), fly_(fly), landed_(landed), what_(what) {}
+        const std::function<void(std::size_t)>& on_finished, const std::string& what)
+      : count_(count), run_(run), fly_(fly), landed_(on_finished), what_(what) {}
 
   void Fly() {
     std::vector<std::thread> threads;
@@ -32,14 +32,14 @@ class Fleet {
     Work();
     for (std::thread& thread : threads) thread.join();
     if (error_) std::rethrow_exception(error_);
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
   }
 
  private:
   void Work() {
     for (;;) {
       const std::size_t k = next_++;
-      if (k >= count_ || SignalCame() || failed_) return;
+      if (k >= count_ || SignalReceived() || failed_) return;
       try {
         fly_(k);
         const std::lock_guard lock(mutex_);
@@ -71,9 +71,9 @@ class Fleet {
 
 }  // namespace
 
-void FlyAll(std::size_t count, Run* run, const std::function<void(std::size_t)>& fly,
-            const std::function<void(std::size_t)>& landed, const std::string& what) {
-  Fleet(count, run, fly, landed, what).Fly();
+void SimulateAll(std::size_t count, Run* run, const std::function<void(std::size_t)>& fly,
+                 const std::function<void(std::size_t)>& on_finished, const std::string& what) {
+  Fleet(count, run, fly, on_finished, what).Fly();
 }
 
 }  // namespace dn::apps

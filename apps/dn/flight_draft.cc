@@ -26,7 +26,7 @@ constexpr const char* kDefaultGnss = "GPS.txt";
 
 /// Assumed biases of a sensor class, which is chosen by the white noise. The values are wide.
 struct BiasClass {
-  double most_white_deg_sqrt_h;
+  double max_white_deg_sqrt_h;
   const char* name;
   const char* gyro;
   const char* accel;
@@ -46,11 +46,11 @@ constexpr BiasClass kClasses[] = {
 
 const BiasClass& FindBiasClass(double white_deg_sqrt_h) {
   return *std::find_if(std::begin(kClasses), std::end(kClasses), [&](const BiasClass& c) {
-    return white_deg_sqrt_h <= c.most_white_deg_sqrt_h;
+    return white_deg_sqrt_h <= c.max_white_deg_sqrt_h;
   });
 }
 
-const char* WordOfGnssFormat(GnssFormat format) {
+const char* GnssFormatWord(GnssFormat format) {
   switch (format) {
     case GnssFormat::kOdyn:
       break;
@@ -64,7 +64,7 @@ const char* WordOfGnssFormat(GnssFormat format) {
   return "odyn";
 }
 
-const char* WordOfAttitude(TrajectoryColumns::Attitude attitude) {
+const char* AttitudeWord(TrajectoryColumns::Attitude attitude) {
   switch (attitude) {
     case TrajectoryColumns::Attitude::kQuaternionNed:
       break;
@@ -80,7 +80,7 @@ const char* WordOfAttitude(TrajectoryColumns::Attitude attitude) {
 
 bool IsInGrid(const FileContent& file) { return file.trajectory && file.trajectory->crs == "utm:"; }
 
-std::string ZoneOf(const Geodetic& place) {
+std::string FindUtmZone(const Geodetic& place) {
   const double lon_deg = place.lon_rad * kDegPerRad;
   const int zone = static_cast<int>(std::floor((lon_deg + 180.0) / 6.0)) % 60 + 1;
   return fmt::format("{}{}", zone, place.lat_rad < 0.0 ? 's' : 'n');
@@ -212,13 +212,13 @@ void FlightDraft::Settle() {
     axes_known_ = agreement.directions && agreement.directions->course_b.has_value();
     if (flight.imu) {
       imu_summary_ = ImuSummary(*flight.imu);
-      const WhiteRows white = WhiteNoiseOfRows(*flight.imu);
+      const WhiteNoiseDensities white = EstimateWhiteNoise(*flight.imu);
       white_gyro_ = kWhiteMargin * white.gyro_rad_per_sqrt_s;
       white_accel_ = kWhiteMargin * white.accel_mps_per_sqrt_s;
     }
     if (flight.gnss) {
       gnss_summary_ = GnssSummary(*flight.gnss);
-      utm_zone_ = ZoneOf(flight.frame.origin());
+      utm_zone_ = FindUtmZone(flight.frame.origin());
     }
     if (!changed) break;
   }
@@ -273,7 +273,7 @@ std::string FlightDraft::ImuText() const {
 
 std::string FlightDraft::GnssText() const {
   if (!gnss_) return {};
-  const std::string format = WordOfGnssFormat(gnss_->gnss_format);
+  const std::string format = GnssFormatWord(gnss_->gnss_format);
   std::string text = fmt::format("\n# {}\ngnss:\n  file: {}\n  format: {}\n", gnss_summary_,
                                  QuoteYaml(Named(gnss_->file)), format);
   text += OffsetText(gnss_offset_s_);
@@ -349,7 +349,7 @@ std::string FlightDraft::ColumnsText() const {
     text += fmt::format("  crs: {:<25} # from the size of the coordinates\n", columns.crs);
   }
   if (columns.attitude != TrajectoryColumns::Attitude::kQuaternionNed) {
-    text += fmt::format("  attitude: {:<20} # from the course\n", WordOfAttitude(columns.attitude));
+    text += fmt::format("  attitude: {:<20} # from the course\n", AttitudeWord(columns.attitude));
   }
   return text;
 }

@@ -59,9 +59,9 @@ std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
   }
   const std::string name = flight_run.flight.config.name;
   return {{"trajectory_sigma.svg", DrawSvg(name + ": posterior standard deviations",
-                                           "time since start [s]", panels, SignalCame)},
-          {"biases.svg",
-           DrawSvg(name + ": inertial biases", "time since start [s]", bias_panels, SignalCame)}};
+                                           "time since start [s]", panels, SignalReceived)},
+          {"biases.svg", DrawSvg(name + ": inertial biases", "time since start [s]", bias_panels,
+                                 SignalReceived)}};
 }
 
 void AddPlots(const std::vector<Plot>& plots, Run* run) {
@@ -76,7 +76,7 @@ void AddPlots(const std::vector<Plot>& plots, Run* run) {
 }
 
 /// Formats the counts, e.g. "3 GNSS positions and 1 GNSS velocity".
-std::string LeftOutText(const LeftOutGnss& out) {
+std::string RejectedCountsText(const LeftOutGnss& out) {
   const auto count = [](long n, const char* one, const char* many) {
     return fmt::format("{} GNSS {}", n, n == 1 ? one : many);
   };
@@ -91,7 +91,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<Finding> findings = flight_run.adjustment().warnings;
   const auto& statistics = flight_run.solution->trajectory().warnings;
   findings.insert(findings.end(), statistics.begin(), statistics.end());
-  if (const auto warning = WarningOfGnssErrors(flight_run.adjustment())) {
+  if (const auto warning = GnssErrorWarning(flight_run.adjustment())) {
     findings.push_back(*warning);
   }
   for (const std::string& text : Words(findings)) warnings.push_back(text);
@@ -101,7 +101,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
     warnings.push_back(fmt::format(
         "{} contradict all other data and were left out, the first at t = {} s ({}:{}); "
         "report.json lists their {} epochs",
-        LeftOutText(CountLeftOutGnss(*flight_run.adjustment().network)), first.t_s,
+        RejectedCountsText(CountLeftOutGnss(*flight_run.adjustment().network)), first.t_s,
         flight_run.flight.config.gnss->file, first.line, rejected.size()));
   }
   return warnings;
@@ -116,7 +116,7 @@ void ReportReading(const FlightRun& flight_run, Run* run) {
   for (const std::string& hint : flight_run.hints) run->progress.Warn(hint);
 }
 
-std::vector<std::string> HintsOf(const Flight& flight, int threads) {
+std::vector<std::string> FormatHints(const Flight& flight, int threads) {
   std::vector<std::string> texts;
   for (const DataHint& hint : DataHints(flight, FindDataAgreement(flight, threads))) {
     texts.push_back(TextOf(hint));
@@ -165,7 +165,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   auto result = std::make_unique<FlightRun>();
   result->flight = std::move(flight);
   result->timings.read_s = read_s;
-  result->hints = HintsOf(result->flight, run->options().threads);
+  result->hints = FormatHints(result->flight, run->options().threads);
   ReportReading(*result, run);
 
   const auto solve_start = std::chrono::steady_clock::now();
@@ -175,7 +175,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   options.progress = [run](const std::string& stage, int iterations) {
     run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
-  options.interrupted = [] { return apps::SignalCame(); };
+  options.interrupted = [] { return apps::SignalReceived(); };
   Adjustment adjustment = AdjustNamingCauses(result->flight, options, result->hints);
   result->timings.solve_s = SecondsSince(solve_start);
 
@@ -268,12 +268,12 @@ void PrintClocks(const Clocks& clocks) {
 }
 
 void PrintReasons(const std::vector<std::string>& reasons, const std::string& file) {
-  constexpr std::size_t kMostTold = 5;
-  for (std::size_t k = 0; k < std::min(kMostTold, reasons.size()); ++k) {
+  constexpr std::size_t kMaxPrinted = 5;
+  for (std::size_t k = 0; k < std::min(kMaxPrinted, reasons.size()); ++k) {
     fmt::print("  {}\n", reasons[k]);
   }
-  if (reasons.size() <= kMostTold) return;
-  fmt::print("  and {} more: {}, report.html\n", reasons.size() - kMostTold, file);
+  if (reasons.size() <= kMaxPrinted) return;
+  fmt::print("  and {} more: {}, report.html\n", reasons.size() - kMaxPrinted, file);
 }
 
 void ThrowContradicted(const std::string& first_finding, const std::string& file) {

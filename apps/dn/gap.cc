@@ -49,7 +49,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   gap.progress = [run](const std::string& stage, double fraction) {
     run->progress.Stage(stage, Share{fraction, 1.0, {}});
   };
-  gap.interrupted = [] { return apps::SignalCame(); };
+  gap.interrupted = [] { return apps::SignalReceived(); };
   gap.Validate();
   return gap;
 }
@@ -67,7 +67,7 @@ Flight Read(const GapArguments& options, Run* run) {
 
 void AddPlots(const GapDiagnosis& diagnosis, Run* run) {
   for (const GapPlot& plot : GapPlots(diagnosis)) {
-    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalCame);
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalReceived);
     if (!svg) {
       run->progress.Warn("no plots: gnuplot is not installed or failed; gap.json has the numbers");
       return;
@@ -86,11 +86,11 @@ std::string AdaptedFile(const GapResult& result) {
 
 void AddTwin(const Flight& flight, const GapResult& result, Run* run) {
   if (result.trajectory.empty() || !flight.imu) return;
-  const Scenario twin = TwinScenario(flight, result.trajectory, CausesOfVerdict(result.diagnosis),
-                                     result.boresight_rad);
+  const Scenario twin = MakeReplicateScenario(
+      flight, result.trajectory, VerdictCauses(result.diagnosis), result.boresight_rad);
   run->AddFile("twin.yaml", "# Scenario that simulates the flight again on its own trajectory.\n" +
                                 FormatScenario(twin));
-  run->AddFile(kTwinTrajectoryFile,
+  run->AddFile(kReplayTrajectoryFile,
                FormatSbet(result.trajectory.points(), flight.pairs.has_value()));
 }
 

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kMostAngleDeg = 180.0;
+constexpr double kMaxAngleDeg = 180.0;
 // The standard deviation across a Gaussian beam is a quarter of its divergence. The divergence is
 // the full angle at which the intensity has fallen by the factor e^2.
 constexpr double kBeamSigmas = 4.0;
@@ -44,7 +44,7 @@ struct GeorefOptions {
 };
 
 /// Boresight in a result.json.
-struct BoresightOfResult {
+struct StoredBoresight {
   std::string verdict;  ///< empty: the file has none
   Vector3d angles_rad = Vector3d::Zero();
   Matrix3d covariance_rad2 = Matrix3d::Zero();
@@ -68,12 +68,12 @@ Vector3d ParseAngles(const std::string& text) {
   } catch (const InvalidInput&) {
     FailAngles(text);
   }
-  if (angles_deg.cwiseAbs().maxCoeff() > kMostAngleDeg) FailAngles(text);
+  if (angles_deg.cwiseAbs().maxCoeff() > kMaxAngleDeg) FailAngles(text);
   return angles_deg * kRadPerDeg;
 }
 
-BoresightOfResult ReadBoresight(const JsonPlace& boresight) {
-  BoresightOfResult result;
+StoredBoresight ReadBoresight(const JsonPlace& boresight) {
+  StoredBoresight result;
   result.angles_rad = boresight.At("angles_deg").FiniteVector3() * kRadPerDeg;
   result.covariance_rad2 = boresight.At("covariance_deg2").Matrix3() * (kRadPerDeg * kRadPerDeg);
   const bool finite = result.covariance_rad2.allFinite();
@@ -83,11 +83,11 @@ BoresightOfResult ReadBoresight(const JsonPlace& boresight) {
   return result;
 }
 
-BoresightOfResult ReadResult(const fs::path& file) {
+StoredBoresight ReadResult(const fs::path& file) {
   try {
     const Json json = ReadJsonFile(file);
     const JsonPlace root(json, file.string());
-    BoresightOfResult result = ReadBoresight(root.At("boresight"));
+    StoredBoresight result = ReadBoresight(root.At("boresight"));
     if (root.Has("assessment")) result.verdict = root.At("assessment").At("verdict").Text();
     return result;
   } catch (const InvalidInput& error) {
@@ -97,7 +97,7 @@ BoresightOfResult ReadResult(const fs::path& file) {
 }
 
 /// Throws InvalidInput for a result that says itself that its angles cannot be relied on.
-void CheckVerdict(const GeorefOptions& given, const BoresightOfResult& result, Run& run) {
+void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run& run) {
   if (result.verdict == Word(Verdict::kAbsorbed)) {
     run.progress.Warn(
         "the result is absorbed: its angles make the points consistent with the data that it was "
@@ -137,7 +137,7 @@ void ExpectTrajectory(const GeorefOptions& options, bool own) {
 }
 
 StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,
-                       const std::optional<BoresightOfResult>& result) {
+                       const std::optional<StoredBoresight>& result) {
   const TrajectoryConfig& trajectory = *config.trajectory;
   StripErrors errors;
   const AccuracyFiles files = FindAccuracyFiles(config);
@@ -164,7 +164,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
   ExpectGeoreferenceable(config);
   std::optional<Vector3d> boresight_rad;
   if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
-  std::optional<BoresightOfResult> result;
+  std::optional<StoredBoresight> result;
   if (!given.result.empty()) result = ReadResult(given.result);
   if (result) CheckVerdict(given, *result, run);
   if (result && !boresight_rad) boresight_rad = result->angles_rad;
@@ -193,7 +193,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
   return georef;
 }
 
-Json DegreesOf(const Vector3d& rad) {
+Json AnglesInDegrees(const Vector3d& rad) {
   const Vector3d deg = rad * kDegPerRad;
   return {deg.x(), deg.y(), deg.z()};
 }
@@ -229,8 +229,8 @@ Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
 }
 
 /// Georeferences one strip, stages the new file and returns the strip's report entry.
-Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
-                const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
+Json RegeoreferenceStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
+                         const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
   const std::string name = file.filename().string();
   const std::string stage = "strip " + name;
   run.progress.Stage(stage);
@@ -241,7 +241,7 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
   if (!warning.empty()) run.progress.Warn(warning);
   GeoreferencedStrip strip =
       georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
-        if (SignalCame()) throw dn::Interrupted();
+        if (SignalReceived()) throw dn::Interrupted();
         if (all) {
           run.progress.Stage(
               stage, Share{static_cast<double>(points), static_cast<double>(*all), "points"});
@@ -284,7 +284,7 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
   Georef georef = Prepare(given, run);
   run.ReadsStrips();
   const FlightConfig& config = georef.config;
-  const std::vector<fs::path> files = NeedStripFiles(config.folder);
+  const std::vector<fs::path> files = RequireStripFiles(config.folder);
   const Vector3d boresight_rad = georef.options.mounting.boresight_rad;
   const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
                                          PointCrs(config.strips_crs, georef.frame));
@@ -292,19 +292,20 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
   std::vector<Swath> swaths;
   Json& counts = run.report["counts"] = Json::object();
   for (const fs::path& file : files) {
-    strips.push_back(RenewStrip(georeferencer, file, config.strips_crs, &swaths, run));
+    strips.push_back(RegeoreferenceStrip(georeferencer, file, config.strips_crs, &swaths, run));
     AddCounts(strips.back(), &counts);
   }
   run.report["flight"] = config.name;
-  run.AddFile("georef.json",
-              FormatJson({{"schema", "dn.georef/1"},
-                          {"flight", config.name},
-                          {"strips_crs", config.strips_crs},
-                          {"trajectory", config.trajectory->file},
-                          {"boresight_deg", DegreesOf(boresight_rad)},
-                          {"boresight_before_deg", DegreesOf(config.lidar->mounting.boresight_rad)},
-                          {"covariance", CovarianceJson(given, config)},
-                          {"strips", strips}}));
+  run.AddFile(
+      "georef.json",
+      FormatJson({{"schema", "dn.georef/1"},
+                  {"flight", config.name},
+                  {"strips_crs", config.strips_crs},
+                  {"trajectory", config.trajectory->file},
+                  {"boresight_deg", AnglesInDegrees(boresight_rad)},
+                  {"boresight_before_deg", AnglesInDegrees(config.lidar->mounting.boresight_rad)},
+                  {"covariance", CovarianceJson(given, config)},
+                  {"strips", strips}}));
   run.AddFile("swaths.json", FormatSwaths(swaths));
   run.AddFile("config.resolved.yaml", FormatFlightConfig(config));
   Print(config, boresight_rad, strips);

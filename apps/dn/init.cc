@@ -42,10 +42,10 @@ const char* KindName(FileKind kind) {
 }
 
 std::vector<FileContent> LookAtFlightFolder(const fs::path& folder) {
-  std::vector<FileContent> contents = LookAtFolder(folder);
+  std::vector<FileContent> contents = InspectFolder(folder);
   std::error_code none;
   if (!fs::is_directory(folder / "lidar", none)) return contents;
-  for (FileContent& content : LookAtFolder(folder / "lidar")) {
+  for (FileContent& content : InspectFolder(folder / "lidar")) {
     if (content.kind == FileKind::kPairs) contents.push_back(std::move(content));
   }
   return contents;

@@ -171,7 +171,7 @@ bool IsIgnored(int signal) {
 
 }  // namespace
 
-bool SignalCame() { return g_interrupted; }
+bool SignalReceived() { return g_interrupted; }
 
 void InstallSignalHandlers() {
   for (const int signal : {SIGPIPE, SIGXFSZ}) Handle(signal, SIG_IGN, 0);

@@ -6,7 +6,7 @@
 namespace dn::apps {
 
 /// Returns true after SIGINT, SIGTERM or SIGHUP.
-bool SignalCame();
+bool SignalReceived();
 
 /// Installs handlers for SIGINT, SIGTERM and SIGHUP. A signal asks the work to stop. After another
 /// 0.4 s, or at a second signal, the program is ended by force: the staged files are removed and

@@ -31,7 +31,7 @@ struct MatchCommand {
 };
 
 MatchOptions MakeMatchOptions(const MatchCommand& command, Run& run) {
-  MatchOptions options = MatchOptionsOf(run);
+  MatchOptions options = MakeRunMatchOptions(run);
   if (command.gsd_m > 0.0) options.gsd_m = command.gsd_m;
   options.search_rad = command.search_deg * kRadPerDeg;
   options.search_m = command.search_m;
@@ -56,8 +56,8 @@ bool IsFlight(const std::vector<std::string>& what) {
 void MatchFlightCommand(const MatchCommand& command, Run& run) {
   FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
   MatchedFlight matched =
-      MatchStripsOfFlight(std::move(config), command.trajectory, MakeMatchOptions(command, run),
-                          MakePointFilter(command), run);
+      MatchFlightStrips(std::move(config), command.trajectory, MakeMatchOptions(command, run),
+                        MakePointFilter(command), run);
   AddMatches(matched, run);
   if (matched.smoothed) {
     AddTrajectoryFiles(*matched.smoothed, &run);

@@ -112,11 +112,11 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 
 }  // namespace
 
-MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory,
-                                 const PointFilter& filter, Run& run) {
+MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajectory,
+                               const PointFilter& filter, Run& run) {
   ExpectMatchable(config);
   run.ReadsStrips();
-  const std::vector<fs::path> files = NeedStripFiles(config.folder);
+  const std::vector<fs::path> files = RequireStripFiles(config.folder);
   const StripGeoreferencing made_with = GeoreferencingOf(config);
   MatchedFlight matched;
   matched.origin = CheckStrips(files, config.strips_crs, made_with, run);
@@ -132,9 +132,9 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
   return matched;
 }
 
-MatchedFlight MatchStripsOfFlight(FlightConfig given, const std::string& trajectory,
-                                  MatchOptions options, const PointFilter& filter, Run& run) {
-  MatchedFlight matched = OpenStripsOfFlight(std::move(given), trajectory, filter, run);
+MatchedFlight MatchFlightStrips(FlightConfig given, const std::string& trajectory,
+                                MatchOptions options, const PointFilter& filter, Run& run) {
+  MatchedFlight matched = OpenFlightStrips(std::move(given), trajectory, filter, run);
   const FlightConfig& config = matched.config;
   if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
   const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());
@@ -144,11 +144,11 @@ MatchedFlight MatchStripsOfFlight(FlightConfig given, const std::string& traject
   return matched;
 }
 
-MatchOptions MatchOptionsOf(Run& run) {
+MatchOptions MakeRunMatchOptions(Run& run) {
   MatchOptions options;
   options.threads = run.options().threads;
   options.progress = [&run](const std::string& stage, const std::string& done) {
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
     run.progress.Stage(stage, done);
   };
   return options;

@@ -26,15 +26,15 @@ inline const PointFilter kLastReturns{.last_returns = true, .classes = {}};
 
 /// Opens the strips of a flight without matching them. The trajectory is the flight's own, else
 /// `trajectory`, else one smoothed from the inertial and GNSS data.
-MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory,
-                                 const PointFilter& filter, Run& run);
+MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajectory,
+                               const PointFilter& filter, Run& run);
 
 /// Matches the strips of a flight. The trajectory is chosen as in the function above.
-MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,
-                                  MatchOptions options, const PointFilter& filter, Run& run);
+MatchedFlight MatchFlightStrips(FlightConfig config, const std::string& trajectory,
+                                MatchOptions options, const PointFilter& filter, Run& run);
 
 /// Returns matching options with the threads and the progress callback of the run.
-MatchOptions MatchOptionsOf(Run& run);
+MatchOptions MakeRunMatchOptions(Run& run);
 
 /// Returns the configuration with the pair files lidar/<a>_<b>.txt in `folder`. If the trajectory
 /// was smoothed, it refers to the file `trajectory` in the same folder.

@@ -106,7 +106,7 @@ template <class Record>
 std::vector<Record> Records(const Shards& shards, const fs::path& folder,
                             const RecordReader<Record>& reader) {
   const auto expect_no_signal = [] {
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
   };
   std::vector<Record> records;
   for (const auto& [number, file] : shards.records) {

@@ -44,7 +44,7 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
   }
   const std::string title =
       fmt::format("{}: trajectory NEES over {} flights", scenario, summary.flights);
-  const auto trajectory = DrawSvg(title, "time since the first node [s]", panels, SignalCame);
+  const auto trajectory = DrawSvg(title, "time since the first node [s]", panels, SignalReceived);
   if (!trajectory) {
     run->progress.Warn("no plots: gnuplot is not installed or failed");
     return;
@@ -65,7 +65,7 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
     angles.push_back({names[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
   }
   if (const auto svg =
-          DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, SignalCame)) {
+          DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, SignalReceived)) {
     run->AddFile("boresight_errors.svg", *svg);
   }
 }
@@ -76,7 +76,7 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
   FlightRecordOptions how;
   how.with_pairs = !options.without_pairs;
   how.epoch_spacing_s = options.epoch_spacing_s;
-  how.interrupted = [] { return SignalCame(); };
+  how.interrupted = [] { return SignalReceived(); };
   std::vector<FlightRecord> records(seeds.size());
   const auto fly = [&](std::size_t k) {
     std::optional<FlightRecord> record = folder.Read(seeds[k], reader);
@@ -86,11 +86,11 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
     }
     records[k] = std::move(*record);
   };
-  const auto landed = [&](std::size_t k) {
+  const auto on_finished = [&](std::size_t k) {
     if (records[k].failure.empty()) return;
     run->progress.Warn(fmt::format("seed {}: {}", seeds[k], records[k].failure));
   };
-  FlyAll(seeds.size(), run, fly, landed);
+  SimulateAll(seeds.size(), run, fly, on_finished);
   return records;
 }
 
@@ -168,7 +168,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
   app->callback([options, action] {
     *action = [options] {
       options->common.inputs = ScenarioInputs(options->scenario);
-      options->common.keeps_records = true;
+      options->common.resumable = true;
       return Execute("monte-carlo", options->common, [&](Run& run) { MonteCarlo(*options, run); });
     };
   });

@@ -48,7 +48,7 @@ CLI::Validator WholeNumber(std::uint64_t least, std::uint64_t most) {
   return {check, fmt::format("{} to {}", least, BoundText(most))};
 }
 
-CLI::Validator OneOf(std::vector<std::string> words) {
+CLI::Validator AllowedValues(std::vector<std::string> words) {
   const std::string all = JoinNames(words);
   const auto check = [words = std::move(words), all](const std::string& text) {
     if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();

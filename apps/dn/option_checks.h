@@ -12,6 +12,6 @@ namespace dn::apps {
 CLI::Validator PositiveNumber();
 CLI::Validator WholeNumber(std::uint64_t least,
                            std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
-CLI::Validator OneOf(std::vector<std::string> words);
+CLI::Validator AllowedValues(std::vector<std::string> words);
 
 }  // namespace dn::apps

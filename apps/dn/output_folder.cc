@@ -145,7 +145,7 @@ std::vector<std::string> EarlierResults(const fs::path& out) {
   return names;
 }
 
-void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool makes_flight) {
+void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool writes_flight) {
   for (const fs::path& folder : inputs.folders) {
     if (!Same(out, folder)) continue;
     throw InvalidConfig(fmt::format(
@@ -163,10 +163,10 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool makes_flight
   }
   std::error_code none;
   const bool flight = fs::exists(fs::symlink_status(out / "flight.yaml", none));
-  if (!flight || (makes_flight && Holds(earlier, "flight.yaml"))) return;
+  if (!flight || (writes_flight && Holds(earlier, "flight.yaml"))) return;
   throw InvalidConfig(
       fmt::format("--out {} is a flight folder, it holds a flight.yaml{}; give another folder",
-                  out.string(), makes_flight ? " that dn simulate did not write" : ""));
+                  out.string(), writes_flight ? " that dn simulate did not write" : ""));
 }
 
 void ExpectRealFolder(const fs::path& folder) {

@@ -32,7 +32,7 @@ std::vector<std::string> EarlierResults(const std::filesystem::path& out);
 
 /// Throws InvalidConfig if results in `out` would overwrite an input or a flight folder. A command
 /// that makes flights may replace a flight folder that such a command made.
-void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool makes_flight);
+void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool writes_flight);
 
 /// Throws UnusableOutput where a file or a link stands in the place of a folder of the results.
 void ExpectRealFolder(const std::filesystem::path& folder);

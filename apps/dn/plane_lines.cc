@@ -5,7 +5,7 @@
 namespace dn::apps {
 
 Json PlaneReportJson(const PlaneRun& planes) {
-  const TrajectoryScatter& scatter = planes.calibration.scatter.trajectory;
+  const CorrelatedErrorCovariance& scatter = planes.calibration.scatter.trajectory;
   Json json = planes.extraction;
   json["within_flight_scatter"] = {
       {"sigma_deg", ToJson(scatter.covariance_rad2.diagonal().cwiseSqrt() * kDegPerRad)},
@@ -22,7 +22,7 @@ void PrintPlanes(const PlaneRun& planes) {
   fmt::print("  {} of {} planes kept, {} points, {} left out\n", adjustment.planes_kept,
              planes.calibration.problem.planes.size(), adjustment.points_kept,
              adjustment.points_left_out);
-  for (const auto& [pair, count] : adjustment.planes_of_strips) {
+  for (const auto& [pair, count] : adjustment.planes_by_strips) {
     fmt::print("    strips {}-{}: {}\n", planes.strips[static_cast<std::size_t>(pair.first)],
                planes.strips[static_cast<std::size_t>(pair.second)], count);
   }

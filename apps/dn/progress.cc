@@ -13,9 +13,9 @@
 namespace dn::apps {
 namespace {
 
-constexpr double kLeastJsonInterval_s = 0.1;
+constexpr double kMinJsonInterval_s = 0.1;
 /// Shorter remaining times are not displayed.
-constexpr double kLeastTimeLeft_s = 5.0;
+constexpr double kMinTimeLeft_s = 5.0;
 
 std::string Text(const Share& share) {
   if (share.of == 1.0) return fmt::format("{:.0f} %", 100.0 * share.done);
@@ -63,7 +63,7 @@ void Progress::Stage(const std::string& stage, const std::string& detail) {
 void Progress::Stage(const std::string& stage, const Share& share) {
   const std::optional<double> left_s = time_left_.At(share, SecondsSince(start_));
   std::string detail = Text(share);
-  if (!as_json_ && left_s && *left_s > kLeastTimeLeft_s) {
+  if (!as_json_ && left_s && *left_s > kMinTimeLeft_s) {
     detail += ", about " + TimeText(*left_s) + " left";
   }
   Show({stage, detail, share, left_s});
@@ -93,7 +93,7 @@ void Progress::Show(const Moment& moment) {
 void Progress::ShowJson(const Moment& moment, bool entered) {
   const double now_s = SecondsSince(start_);
   const bool complete = moment.share && moment.share->done >= moment.share->of;
-  if (!entered && !complete && now_s - last_json_s_ < kLeastJsonInterval_s) return;
+  if (!entered && !complete && now_s - last_json_s_ < kMinJsonInterval_s) return;
   last_json_s_ = now_s;
   Json line = {{"command", command_}, {"stage", moment.stage}, {"elapsed_s", now_s}};
   if (!moment.detail.empty()) line["detail"] = moment.detail;

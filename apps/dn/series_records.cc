@@ -12,7 +12,7 @@
 namespace dn::apps {
 namespace {
 
-constexpr std::size_t kMostYaml = kMostYamlBytes;
+constexpr std::size_t kMostYaml = kMaxYamlBytes;
 
 void ExpectNumber(const JsonPlace& record, const char* key, std::uint64_t expected) {
   const JsonPlace place = record.At(key);

@@ -61,7 +61,7 @@ std::optional<FileIdentity> IdentifyFile(const fs::path& file) {
   Sha256 hash;
   std::string piece(kPiece, '\0');
   while (in) {
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
     in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     const auto count = static_cast<std::size_t>(in.gcount());
     hash.Add(piece.data(), count);

@@ -25,7 +25,7 @@ Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
   const std::vector<CloudCounts> counts =
       WriteClouds(simulated, run.options().threads, run.files(),
                   [&](const StripInterval& strip, double fraction) {
-                    if (SignalCame()) throw dn::Interrupted();
+                    if (SignalReceived()) throw dn::Interrupted();
                     run.progress.Stage("strip " + strip.name, Share{fraction, 1.0, {}});
                   });
   Json strips = Json::array();
@@ -44,7 +44,7 @@ void RunSimulate(const SimulateArguments& options, Run& run) {
   simulate.seed = options.seed;
   simulate.noise = !options.noise_free;
   simulate.progress = [&](const std::string& stage, double fraction) {
-    if (SignalCame()) throw dn::Interrupted();
+    if (SignalReceived()) throw dn::Interrupted();
     run.progress.Stage(stage, Share{fraction, 1.0, {}});
   };
   const SimulatedFlight simulated = Simulate(scenario, simulate);
@@ -114,7 +114,7 @@ void AddSimulate(CLI::App* program, Action* action) {
   app->callback([options, action] {
     *action = [options] {
       options->common.inputs = ScenarioInputs(options->scenario, options->common.changes);
-      options->common.makes_flight = true;
+      options->common.writes_flight = true;
       return Execute("simulate", options->common, [&](Run& run) { RunSimulate(*options, run); });
     };
   });

@@ -32,7 +32,7 @@ void PrintFigures(const Figures& figures) {
 
 void PrintAccuracy(const std::vector<TrajectorySigma>& sigma, bool contradicted) {
   if (sigma.empty()) return;
-  const AchievedAccuracy accuracy = AccuracyOf(sigma);
+  const AchievedAccuracy accuracy = SummariseAccuracy(sigma);
   fmt::print("accuracy, sigmas of the adjustment{}\n",
              contradicted ? ", which the data contradict" : "");
   PrintFigures({"median", "largest", accuracy.median.position_enu_m,

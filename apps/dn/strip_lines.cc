@@ -77,8 +77,8 @@ std::vector<StripLine> StripLines(const Flight& flight, const std::vector<StripI
   return lines;
 }
 
-std::map<std::string, StripPairs> PairsOfStrips(const Flight& flight,
-                                                const std::vector<StripInterval>& strips) {
+std::map<std::string, StripPairs> CountStripPairs(const Flight& flight,
+                                                  const std::vector<StripInterval>& strips) {
   std::map<std::string, StripPairs> all;
   std::map<std::string, std::set<std::pair<std::string, int>>> tenths;
   for (const LidarPair& pair : flight.pairs->pairs) {
@@ -96,7 +96,7 @@ std::map<std::string, StripPairs> PairsOfStrips(const Flight& flight,
   return all;
 }
 
-std::string GeometryInWords(const std::vector<StripLine>& lines, double mean_range_m) {
+std::string DescribeGeometry(const std::vector<StripLine>& lines, double mean_range_m) {
   if (lines.empty() ||
       !std::all_of(lines.begin(), lines.end(), [](const StripLine& line) { return line.known; })) {
     return {};

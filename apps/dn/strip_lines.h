@@ -28,11 +28,11 @@ struct StripPairs {
 
 /// Counts the pairs between strips. Keys are like "1-2", the earlier strip first; "?" is an epoch
 /// outside all strips.
-std::map<std::string, StripPairs> PairsOfStrips(const Flight& flight,
-                                                const std::vector<StripInterval>& strips);
+std::map<std::string, StripPairs> CountStripPairs(const Flight& flight,
+                                                  const std::vector<StripInterval>& strips);
 
 /// Describes in one sentence which angles the flight lines determine; empty if the lines are
 /// unknown. mean_range_m: mean laser range of the pairs, m.
-std::string GeometryInWords(const std::vector<StripLine>& lines, double mean_range_m);
+std::string DescribeGeometry(const std::vector<StripLine>& lines, double mean_range_m);
 
 }  // namespace dn::apps

@@ -49,7 +49,7 @@ StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
   study.design.threads = run.options().threads;
   study.design.seed = options.seed;
   study.design.estimate = options.estimate;
-  study.design.interrupted = [] { return SignalCame(); };
+  study.design.interrupted = [] { return SignalReceived(); };
   study.remedies = !options.no_remedies;
   return study;
 }
@@ -57,19 +57,19 @@ StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
 /// A study with the effects that such a flight could not detect.
 struct StudyAndLimits {
   StudyResult study;
-  std::vector<HiddenEffect> could_hide;  ///< empty with --no-limits or if not observable
+  std::vector<DetectionLimit> could_hide;  ///< empty with --no-limits or if not observable
 };
 
 StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& design,
                              const StudyOptions& study, Run* run) {
-  const Solution at_states = AtStates(design, study.design.threads);
+  const Solution at_states = SolveAtStates(design, study.design.threads);
   StudyAndLimits result{Study(design, at_states), {}};
   if (options.no_limits || !result.study.observable()) return result;
   run->progress.Stage("detectability of effects");
   GapOptions gap;
   gap.threads = study.design.threads;
   gap.interrupted = study.design.interrupted;
-  result.could_hide = HiddenOnDesign(at_states, gap);
+  result.could_hide = DesignDetectionLimits(at_states, gap);
   return result;
 }
 
@@ -78,7 +78,7 @@ StudyAndLimits StudyScenario(const StudyArguments& options, Run* run) {
   run->progress.Stage("studying " + scenario.name);
   run->report["seed"] = options.seed;
   const StudyOptions study = MakeOptions(options, *run);
-  const StudyDesign design = DesignOf(scenario, study.design);
+  const StudyDesign design = MakeDesign(scenario, study.design);
   std::optional<RemedyTrials> remedies;
   if (study.remedies) remedies.emplace(scenario, design, study.design);
   StudyAndLimits result = StudyDesigned(options, design, study, run);
@@ -101,7 +101,7 @@ StudyAndLimits StudyFlight(const StudyArguments& options, Run* run) {
   run->progress.Stage("studying " + flight.config.name);
   const StudyOptions study = MakeOptions(options, *run);
   StudyAndLimits result =
-      StudyDesigned(options, DesignOf(std::move(flight), study.design), study, run);
+      StudyDesigned(options, MakeDesign(std::move(flight), study.design), study, run);
   run->AddFile("config.resolved.yaml", config);
   return result;
 }
@@ -117,7 +117,7 @@ void AddSeries(const StudyResult& study, Run* run) {
 
 void AddPlots(const StudyResult& study, Run* run) {
   for (const StudyPlot& plot : StudyPlots(study)) {
-    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalCame);
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalReceived);
     if (!svg) {
       run->progress.Warn(
           "no plots: gnuplot is not installed or failed; study.json has the numbers");
@@ -131,9 +131,9 @@ void RunStudy(const StudyArguments& options, Run& run) {
   const auto [study, could_hide] =
       IsScenario(options.what) ? StudyScenario(options, &run) : StudyFlight(options, &run);
   run.progress.Stage("writing " + options.common.out.string());
-  const std::string summary = StudySummary(study) + HiddenEffectsSummary(could_hide, true);
+  const std::string summary = StudySummary(study) + DetectionLimitsSummary(could_hide, true);
   Json json = StudyJson(study);
-  if (!could_hide.empty()) json["could_still_hide"] = HiddenEffectsJson(could_hide);
+  if (!could_hide.empty()) json["could_still_hide"] = DetectionLimitsJson(could_hide);
   run.report["flight"] = study.name;
   run.report["counts"] = {{"imu epochs", study.imu_epochs},
                           {"gnss epochs", study.gnss_epochs},
@@ -221,7 +221,7 @@ void AddStudy(CLI::App* program, Action* action) {
     }
     *action = [options] {
       options->common.inputs = StudyInputs(*options);
-      options->common.keeps_records = !options->sweep.file.empty();
+      options->common.resumable = !options->sweep.file.empty();
       return Execute("study", options->common, [&](Run& run) { RunOne(*options, run); });
     };
   });

@@ -14,7 +14,7 @@ void RunLineChoice(const LineOptions& options, Run& run) {
   LineSearchOptions search_options;
   search_options.design.threads = run.options().threads;
   search_options.design.seed = options.seed;
-  search_options.design.interrupted = [] { return SignalCame(); };
+  search_options.design.interrupted = [] { return SignalReceived(); };
   search_options.progress = [&](std::size_t studied) {
     run.progress.Stage(stage, fmt::format("{} choices", studied));
   };

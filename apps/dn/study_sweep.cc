@@ -21,12 +21,12 @@ std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder
                                   const RecordReader<SweepRecord>& reader,
                                   const std::vector<std::uint64_t>& numbers, Run* run) {
   DesignOptions design;
-  design.interrupted = [] { return SignalCame(); };
+  design.interrupted = [] { return SignalReceived(); };
   std::vector<SweepRecord> records(numbers.size());
   const auto study = [&](std::size_t k) {
     std::optional<SweepRecord> record = folder.Read(numbers[k], reader);
     if (!record) {
-      record = StudyOfSweep(sweep, numbers[k], design);
+      record = StudySweepDesign(sweep, numbers[k], design);
       folder.Write(numbers[k], ToJson(*record));
     }
     records[k] = std::move(*record);
@@ -35,7 +35,7 @@ std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder
     if (records[k].failure.empty()) return;
     run->progress.Warn(fmt::format("design {}: {}", numbers[k], records[k].failure));
   };
-  FlyAll(numbers.size(), run, study, studied, "designs");
+  SimulateAll(numbers.size(), run, study, studied, "designs");
   return records;
 }
 
@@ -92,7 +92,7 @@ void AddSweepResults(const Json& made_from, const std::vector<SweepRecord>& reco
   const std::string table = SweepTable(paths, records);
   run->AddFile("summary.txt", table);
   for (const StudyPlot& plot : SweepPlots(paths, records)) {
-    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalCame);
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalReceived);
     if (!svg) {
       run->progress.Warn("no plots: gnuplot is not installed or failed; sweep.csv has the numbers");
       break;

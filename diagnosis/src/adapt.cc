@@ -1,7 +1,7 @@
-#include <dn/effects/effect_table.h>
-#include <dn/error.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/report.h>
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -142,7 +142,7 @@ void AddToEstimate(const EffectSpec& spec, const GapCause& cause, FlightConfig* 
 
 }  // namespace
 
-std::vector<double> FileValue(const GapCause& cause) {
+std::vector<double> ToFileValue(const GapCause& cause) {
   const EffectSpec& spec = RequireEffect(cause.effect);
   std::vector<double> value(cause.estimate.begin(), cause.estimate.end());
   for (std::size_t i = 0; i < std::min(value.size(), spec.components.size()); ++i) {
@@ -155,7 +155,7 @@ std::vector<double> FileValue(const GapCause& cause) {
   return value;
 }
 
-std::vector<GapCause> CausesOfVerdict(const GapDiagnosis& diagnosis) {
+std::vector<GapCause> VerdictCauses(const GapDiagnosis& diagnosis) {
   std::vector<GapCause> named;
   for (const std::string& effect : diagnosis.verdict.effects) {
     for (const GapCause& cause : diagnosis.causes) {
@@ -179,14 +179,14 @@ FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) 
     if (spec.fixed()) {
       AddToEstimate(spec, cause, &config);
     } else if (const Statement* statement = FindStatement(spec.id)) {
-      statement->put(flight, cause, ValueInSi(spec, FileValue(cause)), &config);
+      statement->put(flight, cause, ValueInSi(spec, ToFileValue(cause)), &config);
     }
   }
   return config;
 }
 
 FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis) {
-  FlightConfig config = Adapted(flight, CausesOfVerdict(diagnosis));
+  FlightConfig config = Adapted(flight, VerdictCauses(diagnosis));
   config.unexplained = UnexplainedWords(diagnosis);
   return config;
 }

@@ -15,41 +15,41 @@ namespace {
 
 class ForwardSelection {
  public:
-  ForwardSelection(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
+  ForwardSelection(const ExtendedModelFitter& model_fitter, std::unique_ptr<ExtendedFit> base,
                    double threshold_nats)
-      : explainer_(explainer), threshold_nats_(threshold_nats) {
+      : fitter_(model_fitter), threshold_nats_(threshold_nats) {
     out_.base = std::move(base);
   }
 
-  Attribution Run(bool detected) {
-    explainer_.JudgeProcesses(out_.base.get());
-    out_.generic_nats = GenericEvidence(out_.base->effects);
+  SelectedModel Run(bool detected) {
+    fitter_.EvaluateProcesses(out_.base.get());
+    out_.discrepancy_nats = DiscrepancyEvidence(out_.base->effects);
     if (detected) {
       Grow();
       if (out_.causes.size() > 1) Revise();
     }
-    MakeSlots();
+    MakeAllHypotheses();
     return std::move(out_);
   }
 
  private:
-  const ExplainedFlight& Current() const { return out_.last(); }
+  const ExtendedFit& Current() const { return out_.last(); }
 
-  GapCause Refined(const ExplainedFlight& explained, ScreenedEffect effect) const {
+  GapCause Refined(const ExtendedFit& explained, ScreenedEffect effect) const {
     RefineTimes(explained.solution->network(), explained.solution->marginals(),
-                explainer_.options().threads, &effect);
+                fitter_.options().threads, &effect);
     return ToCause(effect);
   }
 
   void Report(const std::string& stage, double fraction) const {
-    if (explainer_.options().progress) explainer_.options().progress(stage, fraction);
+    if (fitter_.options().progress) fitter_.options().progress(stage, fraction);
   }
 
   /// Adjusts the flight with these causes. Returns null and adds a note if it cannot be adjusted.
-  std::unique_ptr<ExplainedFlight> TryExplain(const std::vector<GapCause>& causes) {
+  std::unique_ptr<ExtendedFit> TryFit(const std::vector<GapCause>& causes) {
     try {
-      auto explained = std::make_unique<ExplainedFlight>(explainer_.Explain(causes));
-      explainer_.JudgeProcesses(explained.get());
+      auto explained = std::make_unique<ExtendedFit>(fitter_.Explain(causes));
+      fitter_.EvaluateProcesses(explained.get());
       return explained;
     } catch (const Interrupted&) {
       throw;
@@ -61,7 +61,7 @@ class ForwardSelection {
   }
 
   void Grow() {
-    while (out_.causes.size() < kMostCauses) {
+    while (out_.causes.size() < kMaxCauses) {
       const ScreenedEffect* best = BestPhysical(Current().effects);
       if (best == nullptr || best->log_evidence < threshold_nats_) break;
       std::vector<GapCause> causes = out_.causes;
@@ -69,8 +69,8 @@ class ForwardSelection {
       Report("with " + best->name, 0.3 + 0.1 * static_cast<double>(out_.causes.size()));
       out_.explained_nats += best->log_evidence;
       out_.causes = causes;
-      if (explainer_.options().depth == GapOptions::Depth::kScreen) break;
-      std::unique_ptr<ExplainedFlight> next = TryExplain(causes);
+      if (fitter_.options().depth == GapOptions::Depth::kScreen) break;
+      std::unique_ptr<ExtendedFit> next = TryFit(causes);
       if (!next) break;
       if (out_.final) before_.push_back(std::move(out_.final));
       out_.final = std::move(next);
@@ -85,11 +85,11 @@ class ForwardSelection {
     bool changed = false;
     for (std::size_t k = 0; k + 1 < causes.size(); ++k) {
       if (FindEffect(causes[k].effect)->fixed()) continue;
-      const std::unique_ptr<ExplainedFlight> others = TryExplain(Without(k));
+      const std::unique_ptr<ExtendedFit> others = TryFit(Without(k));
       const ScreenedEffect* best = others ? BestPhysical(others->effects) : nullptr;
       const ScreenedEffect* own = others ? Find(others->effects, causes[k].effect) : nullptr;
       if (best == nullptr || own == nullptr) continue;
-      const bool another = best->log_evidence >= own->log_evidence + kSwapNats;
+      const bool another = best->log_evidence >= own->log_evidence + kReplacementLeadNats;
       const GapCause refined = Refined(*others, another ? *best : *own);
       const double moved = std::abs(refined.estimate[0] - causes[k].estimate[0]);
       if (!another && moved <= causes[k].sigma[0]) continue;
@@ -106,11 +106,11 @@ class ForwardSelection {
   }
 
   /// Returns the flight adjusted with all causes but one; null if that fails.
-  const ExplainedFlight* ExplainedWithout(std::size_t k) {
+  const ExtendedFit* FitWithout(std::size_t k) {
     const std::size_t n = out_.causes.size();
     if (n == 1) return out_.base.get();
     if (k + 1 == n && !revised_ && !before_.empty()) return before_.back().get();
-    scratch_ = TryExplain(Without(k));
+    scratch_ = TryFit(Without(k));
     return scratch_.get();
   }
 
@@ -118,16 +118,16 @@ class ForwardSelection {
   void Revise() {
     for (std::size_t k = 0; k + 1 < out_.causes.size(); ++k) {
       Report("without " + out_.causes[k].effect, 0.7);
-      const ExplainedFlight* others = ExplainedWithout(k);
+      const ExtendedFit* others = FitWithout(k);
       if (others == nullptr) continue;
       const ScreenedEffect* best = BestPhysical(others->effects);
       if (best == nullptr) continue;
-      const double own = EvidenceOf(others->effects, out_.causes[k].effect);
+      const double own = FindEvidence(others->effects, out_.causes[k].effect);
       if (own < threshold_nats_ && best->log_evidence < threshold_nats_) {
         Replace(Without(k));
         return;
       }
-      if (best->log_evidence < own + kSwapNats) {
+      if (best->log_evidence < own + kReplacementLeadNats) {
         KeepRivals(k, *others);
         continue;
       }
@@ -139,7 +139,7 @@ class ForwardSelection {
   }
 
   void Replace(const std::vector<GapCause>& causes) {
-    std::unique_ptr<ExplainedFlight> next = TryExplain(causes);
+    std::unique_ptr<ExtendedFit> next = TryFit(causes);
     if (!next) return;
     out_.causes = causes;
     out_.final = std::move(next);
@@ -147,43 +147,44 @@ class ForwardSelection {
     kept_.clear();
   }
 
-  void KeepRivals(std::size_t k, const ExplainedFlight& others) {
+  void KeepRivals(std::size_t k, const ExtendedFit& others) {
     kept_.emplace_back(k, others.effects);
   }
 
-  void MakeSlots() {
+  void MakeAllHypotheses() {
     if (out_.causes.empty()) {
-      out_.slots.push_back(MakeSlot("", out_.base->effects));
+      out_.slots.push_back(MakeCompetingHypotheses("", out_.base->effects));
       return;
     }
     for (std::size_t k = 0; k < out_.causes.size(); ++k) {
       const auto kept =
           std::find_if(kept_.begin(), kept_.end(), [&](const auto& one) { return one.first == k; });
       if (kept != kept_.end()) {
-        out_.slots.push_back(MakeSlot(out_.causes[k].effect, kept->second));
+        out_.slots.push_back(MakeCompetingHypotheses(out_.causes[k].effect, kept->second));
         continue;
       }
-      const ExplainedFlight* others = ExplainedWithout(k);
+      const ExtendedFit* others = FitWithout(k);
       if (others == nullptr) others = out_.base.get();
-      out_.slots.push_back(MakeSlot(out_.causes[k].effect, others->effects));
+      out_.slots.push_back(MakeCompetingHypotheses(out_.causes[k].effect, others->effects));
     }
   }
 
-  const Explainer& explainer_;
+  const ExtendedModelFitter& fitter_;
   double threshold_nats_;
-  Attribution out_;
+  SelectedModel out_;
   // Models with the first causes; each has one cause more than the one before.
-  std::vector<std::unique_ptr<ExplainedFlight>> before_;
-  std::unique_ptr<ExplainedFlight> scratch_;
+  std::vector<std::unique_ptr<ExtendedFit>> before_;
+  std::unique_ptr<ExtendedFit> scratch_;
   std::vector<std::pair<std::size_t, std::vector<ScreenedEffect>>> kept_;
   bool revised_ = false;
 };
 
 }  // namespace
 
-Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
-                      bool detected, double threshold_nats) {
-  return ForwardSelection(explainer, std::move(base), threshold_nats).Run(detected);
+SelectedModel SelectEffects(const ExtendedModelFitter& model_fitter,
+                            std::unique_ptr<ExtendedFit> base, bool detected,
+                            double threshold_nats) {
+  return ForwardSelection(model_fitter, std::move(base), threshold_nats).Run(detected);
 }
 
 }  // namespace dn::internal

@@ -12,22 +12,24 @@
 namespace dn::internal {
 
 /// Result of the forward selection: the effects that explain a flight.
-struct Attribution {
-  std::unique_ptr<ExplainedFlight> base;   ///< without any effects
-  std::unique_ptr<ExplainedFlight> final;  ///< with all causes; null if there are none
-  std::vector<GapCause> causes;            ///< in the order of selection
-  std::vector<Slot> slots;      ///< one per cause; a single unnamed one if there is no cause
-  double explained_nats = 0.0;  ///< total evidence of the causes
-  double generic_nats = 0.0;    ///< largest evidence of an unmodelled discrepancy, at `base`
+struct SelectedModel {
+  std::unique_ptr<ExtendedFit> base;   ///< without any effects
+  std::unique_ptr<ExtendedFit> final;  ///< with all causes; null if there are none
+  std::vector<GapCause> causes;        ///< in the order of selection
+  std::vector<CompetingHypotheses>
+      slots;                      ///< one per cause; a single unnamed one if there is no cause
+  double explained_nats = 0.0;    ///< total evidence of the causes
+  double discrepancy_nats = 0.0;  ///< largest evidence of an unmodelled discrepancy, at `base`
   std::vector<std::string> notes;
 
-  const ExplainedFlight& last() const { return final ? *final : *base; }
+  const ExtendedFit& last() const { return final ? *final : *base; }
 };
 
 /// Selects effects forward. Adds the most probable effect, adjusts again with it, and repeats while
 /// the evidence exceeds `threshold_nats`. Then checks for every cause whether another effect
 /// explains its part better. Selects no effect if no gap was detected.
-Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
-                      bool detected, double threshold_nats);
+SelectedModel SelectEffects(const ExtendedModelFitter& model_fitter,
+                            std::unique_ptr<ExtendedFit> base, bool detected,
+                            double threshold_nats);
 
 }  // namespace dn::internal

@@ -68,7 +68,7 @@ std::optional<GroupEstimate> EstimateFromPairs(const Factors& group, const Fligh
     estimate.theta_rad = -G.transpose() * linearized.residual();
     estimate.G = Eigen::MatrixXd::Zero(all.rows(), 3);
     for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
-      estimate.G.middleRows(all.RowsOf(rows.factor)->first, rows.count) =
+      estimate.G.middleRows(all.FindRows(rows.factor)->first, rows.count) =
           G.middleRows(rows.first, rows.count);
     }
     return estimate;

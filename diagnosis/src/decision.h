@@ -15,16 +15,16 @@ constexpr double ThresholdNats(double evidence_95) {
   return std::max(kLeastThresholdNats, evidence_95 + kSafetyNats);
 }
 /// Evidence threshold of a design, which has no replicates.
-constexpr double kThresholdOfDesignNats = kLeastThresholdNats + kSafetyNats;
+constexpr double kDesignThresholdNats = kLeastThresholdNats + kSafetyNats;
 /// Lead in evidence at which an unmodelled discrepancy is preferred to the physical effects.
-constexpr double kGenericNats = 3.0;
+constexpr double kDiscrepancyLeadNats = 3.0;
 /// Lead in evidence at which another effect replaces a selected one.
-constexpr double kSwapNats = 1.0;
+constexpr double kReplacementLeadNats = 1.0;
 /// Largest numbers of effects in a verdict, and of places and statistics in a report.
-constexpr std::size_t kMostCauses = 4, kMostPlaces = 20, kMostStatistics = 60;
+constexpr std::size_t kMaxCauses = 4, kMaxPlaces = 20, kMaxStatistics = 60;
 
 /// Returns the number of linear replicates.
-constexpr int NumTwins(GapOptions::Depth depth) {
+constexpr int NumReplicates(GapOptions::Depth depth) {
   if (depth == GapOptions::Depth::kFull) return 400;
   return depth == GapOptions::Depth::kQuick ? 200 : 100;
 }

@@ -34,9 +34,9 @@ bool HasPoses(const Flight& flight) {
   return flight.trajectory || flight.initial_guess || flight.reference;
 }
 
-Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* rows) {
+Screen ScreenDesign(const Flight& flight, const GapOptions& options, long* rows) {
   Flight plan = flight;
-  const NetworkDesign design{FindPoses(flight).InMap(flight.frame)};
+  const NetworkDesign design{FindPoses(flight).ToMapPoses(flight.frame)};
   PlanMeasurements(design, kRates, &plan);
   const FlightNetwork network = Build(plan, design);
   const Marginals marginals(network.net, {.threads = options.threads});
@@ -44,19 +44,20 @@ Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* row
   return Screen(network, marginals, MakeLibraryOptions(options));
 }
 
-GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
+GapResult DiagnoseDesignLimits(const Flight& flight, const GapOptions& options) {
   GapDiagnosis diagnosis;
   diagnosis.flight = flight.config.name;
   Stopwatch watch(&diagnosis.timings_s);
-  const Screen screen = ScreenOfDesign(flight, options, &diagnosis.validity.observations);
-  diagnosis.could_still_hide = HiddenEffects(screen, kThresholdOfDesignNats, options.seed);
+  const Screen screen = ScreenDesign(flight, options, &diagnosis.validity.observations);
+  diagnosis.could_still_hide = ComputeDetectionLimits(screen, kDesignThresholdNats, options.seed);
   watch.Lap("limits");
   return WithLimits(flight, std::move(diagnosis));
 }
 
 }  // namespace internal
 
-std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOptions& options) {
+std::vector<DetectionLimit> DesignDetectionLimits(const Solution& solution,
+                                                  const GapOptions& options) {
   options.Validate();
   const auto poll = [&] {
     if (options.interrupted && options.interrupted()) throw Interrupted();
@@ -65,7 +66,7 @@ std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOpti
   const internal::Screen screen(solution.network(), solution.marginals(),
                                 internal::MakeLibraryOptions(options));
   poll();
-  return internal::HiddenEffects(screen, internal::kThresholdOfDesignNats, options.seed);
+  return internal::ComputeDetectionLimits(screen, internal::kDesignThresholdNats, options.seed);
 }
 
 }  // namespace dn

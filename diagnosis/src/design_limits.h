@@ -14,10 +14,10 @@ bool HasPoses(const Flight& flight);
 /// its pairs. Missing inertial and GNSS data are replaced by those of perfect sensors on these
 /// poses. `flight` must have the section imu. `rows`, if not null, receives the number of rows of
 /// the network. Throws as Build, and RankDeficient.
-Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* rows = nullptr);
+Screen ScreenDesign(const Flight& flight, const GapOptions& options, long* rows = nullptr);
 
-/// Computes the detection limits of a flight with ScreenOfDesign, without a verdict. Throws as
-/// ScreenOfDesign.
-GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options);
+/// Computes the detection limits of a flight with ScreenDesign, without a verdict. Throws as
+/// ScreenDesign.
+GapResult DiagnoseDesignLimits(const Flight& flight, const GapOptions& options);
 
 }  // namespace dn::internal

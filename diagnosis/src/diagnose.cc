@@ -1,10 +1,10 @@
 #include <dn/adjustment/result.h>
-#include <dn/effects/effect_table.h>
-#include <dn/error.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
 #include <dn/diagnosis/report.h>
 #include <dn/diagnosis/twin.h>
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
 #include <dn/interrupted.h>
 #include <dn/quantile.h>
 #include <dn/rotation.h>
@@ -57,9 +57,9 @@ constexpr int kSimulatedReplicates = 8;  // without and with the effects each
 constexpr double kUnlike = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
 
-std::vector<double> Over(const Twins& twins, double Appearance::*what) {
+std::vector<double> Over(const ReplicateSet& twins, double ResidualSummary::*what) {
   std::vector<double> values;
-  for (const Appearance& twin : twins.all) values.push_back(twin.*what);
+  for (const ResidualSummary& twin : twins.all) values.push_back(twin.*what);
   return values;
 }
 
@@ -76,23 +76,23 @@ double RootExcess(double value, const std::vector<double>& of_replicates) {
 
 /// A flight compared with its replicates.
 struct Compared {
-  Appearance appearance;
-  Twins twins;
+  ResidualSummary appearance;
+  ReplicateSet twins;
   std::vector<LocationStatistic> statistics;
-  TwinTest test;
+  ReplicateTest test;
 };
 
 class Diagnosis {
  public:
   Diagnosis(const Flight& flight, const GapOptions& options)
-      : flight_(flight), options_(options), explainer_(flight, options), watch_(&out_.timings_s) {
+      : flight_(flight), options_(options), fitter_(flight, options), watch_(&out_.timings_s) {
     out_.flight = flight.config.name;
     out_.validity.alpha = options.alpha;
   }
 
   GapResult Run() {
     Report("adjusting", 0.0);
-    auto base = std::make_unique<ExplainedFlight>(explainer_.Explain({}));
+    auto base = std::make_unique<ExtendedFit>(fitter_.Explain({}));
     watch_.Lap("adjustment and screen");
     if (options_.depth == GapOptions::Depth::kLimits) return Limits(*base);
     if (base->solution->trajectory().figures.redundancy < kLeastFlightRedundancy) {
@@ -104,8 +104,8 @@ class Diagnosis {
     before_ = Compare(*base);
     watch_.Lap("twins");
     JudgeGap(*base);
-    const Attribution attribution =
-        Attribute(explainer_, std::move(base), out_.detected, Threshold());
+    const SelectedModel attribution =
+        SelectEffects(fitter_, std::move(base), out_.detected, Threshold());
     watch_.Lap("attribution");
     if (attribution.final) {
       Report("replicates with the effects", 0.8);
@@ -128,7 +128,8 @@ class Diagnosis {
       watch_.Lap("simulated twins");
     }
     Report("limits", 0.94);
-    out_.could_still_hide = HiddenEffects(*attribution.base->screen, Threshold(), options_.seed);
+    out_.could_still_hide =
+        ComputeDetectionLimits(*attribution.base->screen, Threshold(), options_.seed);
     watch_.Lap("limits");
     BreakTies(attribution, trajectory);
     for (const std::string& note : attribution.notes) out_.validity.notes.push_back(note);
@@ -137,8 +138,9 @@ class Diagnosis {
   }
 
   /// Computes the detection limits from the geometry at the solution.
-  GapResult Limits(const ExplainedFlight& base) {
-    out_.could_still_hide = HiddenEffects(*base.screen, kThresholdOfDesignNats, options_.seed);
+  GapResult Limits(const ExtendedFit& base) {
+    out_.could_still_hide =
+        ComputeDetectionLimits(*base.screen, kDesignThresholdNats, options_.seed);
     out_.validity.observations = base.solution->linearized().rows();
     watch_.Lap("limits");
     return WithLimits(flight_, std::move(out_));
@@ -150,10 +152,10 @@ class Diagnosis {
     if (options_.progress) options_.progress(stage, fraction);
   }
 
-  Compared Compare(const ExplainedFlight& explained) const {
+  Compared Compare(const ExtendedFit& explained) const {
     Compared out;
-    out.test = explainer_.Test(explained, NumTwins(options_.depth), &out.appearance, &out.twins,
-                               &out.statistics);
+    out.test = fitter_.Test(explained, NumReplicates(options_.depth), &out.appearance, &out.twins,
+                            &out.statistics);
     return out;
   }
 
@@ -170,7 +172,7 @@ class Diagnosis {
 
   /// Returns the largest evidence of raw inertial noise and outliers, which replicates do not
   /// contain.
-  static double NatsOutsideReplicates(const ExplainedFlight& explained) {
+  static double NatsOutsideReplicates(const ExtendedFit& explained) {
     double nats = std::max(0.0, explained.coloured_imu_nats);
     for (const ScreenedEffect& effect : explained.effects) {
       const bool outside = effect.physical() && OutsideReplicates(EffectRow(*effect.id));
@@ -179,7 +181,7 @@ class Diagnosis {
     return nats;
   }
 
-  void JudgeGap(const ExplainedFlight& base) {
+  void JudgeGap(const ExtendedFit& base) {
     const double outside = std::exp(-NatsOutsideReplicates(base));
     out_.p_value =
         outside < kCertain ? std::min(outside, before_.test.p_value) : before_.test.p_value;
@@ -196,14 +198,14 @@ class Diagnosis {
   }
 
   void CheckReplicates() {
-    out_.validity.aa_p_value = TwinsAgainstTwins(before_.twins);
+    out_.validity.aa_p_value = TestReplicateConsistency(before_.twins);
     if (out_.validity.aa_p_value >= kUnequalReplicates) return;
     out_.validity.notes.push_back(
         "replicates of the flight differ among themselves and are not a valid reference");
   }
 
   void FillSize() {
-    const std::vector<double> of_replicates = Over(before_.twins, &Appearance::size_nats);
+    const std::vector<double> of_replicates = Over(before_.twins, &ResidualSummary::size_nats);
     const double usual = Mean(of_replicates);
     out_.size.value = before_.appearance.size_nats - usual;
     out_.size.null_low = Quantile(of_replicates, 0.025) - usual;
@@ -214,35 +216,35 @@ class Diagnosis {
 
   void FillUserUnits() {
     if (before_.appearance.pair_rms_m > 0.0) {
-      out_.user_units.p2p_excess_m =
-          RootExcess(before_.appearance.pair_rms_m, Over(before_.twins, &Appearance::pair_rms_m));
+      out_.user_units.p2p_excess_m = RootExcess(before_.appearance.pair_rms_m,
+                                                Over(before_.twins, &ResidualSummary::pair_rms_m));
     }
     if (before_.appearance.gnss_rms_m > 0.0) {
-      out_.user_units.gnss_excess_m =
-          RootExcess(before_.appearance.gnss_rms_m, Over(before_.twins, &Appearance::gnss_rms_m));
+      out_.user_units.gnss_excess_m = RootExcess(before_.appearance.gnss_rms_m,
+                                                 Over(before_.twins, &ResidualSummary::gnss_rms_m));
     }
   }
 
-  void FillWhere(const ExplainedFlight& base) {
-    const TwinTest& test = before_.test;
+  void FillWhere(const ExtendedFit& base) {
+    const ReplicateTest& test = before_.test;
     if (base.coloured_imu_nats > -std::log(kCertain)) {
       out_.where.push_back({"imu", "raw data, highest octaves", "the whole flight",
                             base.coloured_imu_nats, std::exp(-base.coloured_imu_nats)});
     }
     for (const Eigen::Index k : test.LargestFirst()) {
       const LocationStatistic& at = before_.statistics[static_cast<std::size_t>(k)];
-      if (out_.fingerprint.size() < kMostStatistics) {
+      if (out_.fingerprint.size() < kMaxStatistics) {
         out_.fingerprint.push_back({NameOf(at), before_.appearance.locations[k], test.mean[k],
                                     test.sigma[k], std::nullopt, std::nullopt});
       }
-      if (out_.where.size() >= kMostPlaces || test.p_adjusted[k] > options_.alpha) continue;
+      if (out_.where.size() >= kMaxPlaces || test.p_adjusted[k] > options_.alpha) continue;
       out_.where.push_back({at.sensor, at.quantity,
                             at.location.empty() ? "the whole flight" : at.location, test.z[k],
                             test.p_adjusted[k]});
     }
   }
 
-  std::vector<GapCause> NamedCauses(const Attribution& attribution) const {
+  std::vector<GapCause> NamedCauses(const SelectedModel& attribution) const {
     std::vector<GapCause> named = attribution.causes;
     if (!attribution.final) return named;
     for (GapCause& cause : named) TakeEstimate(*attribution.final, &cause);
@@ -250,7 +252,7 @@ class Diagnosis {
   }
 
   /// Takes the values of a fixed effect from the adjustment that estimates it.
-  static void TakeEstimate(const ExplainedFlight& final, GapCause* cause) {
+  static void TakeEstimate(const ExtendedFit& final, GapCause* cause) {
     for (const UnknownEstimate& unknown : final.solution->Unknowns()) {
       if (unknown.name != cause->effect) continue;
       const auto n = static_cast<Eigen::Index>(unknown.value.size());
@@ -259,7 +261,7 @@ class Diagnosis {
     }
   }
 
-  void FillVerdict(const Attribution& attribution) {
+  void FillVerdict(const SelectedModel& attribution) {
     if (out_.validity.aa_p_value < kUnequalReplicates) {
       out_.verdict.kind = GapVerdictKind::kUnavailable;
       return;
@@ -267,16 +269,16 @@ class Diagnosis {
     std::vector<std::string> named;
     for (const GapCause& cause : attribution.causes) named.push_back(cause.effect);
     const Decision decision{out_.detected, DiscrepancyIsBetter(attribution),
-                            SomethingLeft(attribution)};
+                            GapRemains(attribution)};
     out_.verdict = Decide(decision, named, attribution.slots);
     out_.verdict.implausible = Implausible(attribution);
-    AllowForOutsiders(out_.verdict, &out_.causes);
+    ScaleToObservedRates(out_.verdict, &out_.causes);
   }
 
   /// Returns an effect of implausible size. A wrong name for unmodelled physics can come out with
   /// any size.
-  std::optional<GapImplausible> Implausible(const Attribution& attribution) const {
-    const ScreenedEffect* generic = BestGeneric(attribution.base->effects);
+  std::optional<GapImplausible> Implausible(const SelectedModel& attribution) const {
+    const ScreenedEffect* generic = BestDiscrepancy(attribution.base->effects);
     if (generic == nullptr ||
         generic->log_evidence < kRivalEvidenceShare * attribution.explained_nats) {
       return std::nullopt;
@@ -298,14 +300,15 @@ class Diagnosis {
   /// Returns whether a discrepancy describes the data better than the named effects. The
   /// second-order terms of a large effect may fit a discrepancy of many components; they vanish
   /// once the flight is adjusted with the effect.
-  bool DiscrepancyIsBetter(const Attribution& attribution) const {
-    const double margin = std::max(kGenericNats, kSecondOrder * attribution.explained_nats);
-    if (attribution.generic_nats <= attribution.explained_nats + kGenericNats) return false;
-    if (attribution.final) return SomethingLeft(attribution);
-    return attribution.generic_nats > attribution.explained_nats + margin;
+  bool DiscrepancyIsBetter(const SelectedModel& attribution) const {
+    const double margin = std::max(kDiscrepancyLeadNats, kSecondOrder * attribution.explained_nats);
+    if (attribution.discrepancy_nats <= attribution.explained_nats + kDiscrepancyLeadNats)
+      return false;
+    if (attribution.final) return GapRemains(attribution);
+    return attribution.discrepancy_nats > attribution.explained_nats + margin;
   }
 
-  bool SomethingLeft(const Attribution& attribution) const {
+  bool GapRemains(const SelectedModel& attribution) const {
     if (!attribution.final) return false;
     for (const ScreenedEffect& effect : attribution.final->effects) {
       if (!effect.physical() && effect.log_evidence > Threshold()) return true;
@@ -313,7 +316,7 @@ class Diagnosis {
     return after_.test.p_value <= options_.alpha;
   }
 
-  void MeasureShrinkage(const Attribution& attribution) {
+  void MeasureShrinkage(const SelectedModel& attribution) {
     if (!out_.detected || out_.verdict.effects.empty()) return;
     GapShrinkage shrinkage =
         OmnibusShrinkage({before_.test, NatsOutsideReplicates(*attribution.base)},
@@ -322,17 +325,17 @@ class Diagnosis {
     shrinkage.before.size_nats_per_obs = out_.size.value;
     shrinkage.after.p_value = after_.test.p_value;
     shrinkage.after.size_nats_per_obs =
-        after_.appearance.size_nats - Mean(Over(after_.twins, &Appearance::size_nats));
+        after_.appearance.size_nats - Mean(Over(after_.twins, &ResidualSummary::size_nats));
     FillState(*attribution.base, before_, &shrinkage.before);
     FillState(*attribution.final, after_, &shrinkage.after);
     out_.shrinkage = shrinkage;
   }
 
   /// Measures how much the causes improve the prediction of held-out data.
-  void MeasureHeldOut(const Attribution& attribution) {
+  void MeasureHeldOut(const SelectedModel& attribution) {
     if (!out_.shrinkage) return;
     HeldOutOptions options;
-    options.of_each_kind = options_.depth == GapOptions::Depth::kFull ? kFoldsFull : kFoldsQuick;
+    options.num_per_kind = options_.depth == GapOptions::Depth::kFull ? kFoldsFull : kFoldsQuick;
     options.threads = options_.threads;
     options.interrupted = options_.interrupted;
     const HeldOutGains gains =
@@ -342,7 +345,7 @@ class Diagnosis {
     for (std::size_t k = 0; k < attribution.causes.size(); ++k) {
       for (GapCause& cause : out_.causes) {
         if (cause.effect == attribution.causes[k].effect) {
-          cause.held_out_gain_nats = gains.of_causes[k];
+          cause.held_out_gain_nats = gains.cause_gains[k];
         }
       }
     }
@@ -352,7 +355,7 @@ class Diagnosis {
   /// so its mean gain over replicates is subtracted.
   void FillReachable(const HeldOutGains& gains, GapShrinkage* shrinkage) const {
     double of_replicates = 0.0;
-    for (const Appearance& twin : after_.twins.all) {
+    for (const ResidualSummary& twin : after_.twins.all) {
       of_replicates +=
           std::max(0.0, twin.log_evidence.size() > 0 ? twin.log_evidence.maxCoeff() : 0.0);
     }
@@ -364,8 +367,7 @@ class Diagnosis {
     if (gain + left > 0.0) shrinkage->share_of_reachable = gain / (gain + left);
   }
 
-  static void FillState(const ExplainedFlight& explained, const Compared& compared,
-                        GapState* state) {
+  static void FillState(const ExtendedFit& explained, const Compared& compared, GapState* state) {
     if (compared.appearance.pair_rms_m > 0.0) state->p2p_m = compared.appearance.pair_rms_m;
     if (compared.appearance.gnss_rms_m > 0.0) state->gnss_m = compared.appearance.gnss_rms_m;
     const Solution& solution = *explained.solution;
@@ -376,39 +378,41 @@ class Diagnosis {
   }
 
   /// Simulates replicates without and with the effects.
-  void CompareSimulated(const Attribution& attribution, const Trajectory& trajectory) {
-    const ExplainedFlight& last = attribution.last();
-    const LinearTwins linear = NamedLinearTwins(before_.statistics, before_.twins, before_.test);
+  void CompareSimulated(const SelectedModel& attribution, const Trajectory& trajectory) {
+    const ExtendedFit& last = attribution.last();
+    const LinearReplicates linear =
+        NameLinearReplicates(before_.statistics, before_.twins, before_.test);
     const std::vector<NamedStatistics> without = SimulateWith({}, last, trajectory);
     out_.validity.full_twins = static_cast<int>(without.size());
-    out_.validity.full_against_linear_p = FullAgainstLinear(without, linear, options_.seed);
-    const std::vector<GapCause> named = CausesOfVerdict(out_);
+    out_.validity.full_against_linear_p =
+        TestSimulatedAgainstLinear(without, linear, options_.seed);
+    const std::vector<GapCause> named = VerdictCauses(out_);
     if (named.empty()) return;
     const std::vector<NamedStatistics> with = SimulateWith(named, last, trajectory);
     out_.validity.full_twins += static_cast<int>(with.size());
     for (FingerprintValue& value : out_.fingerprint) {
-      const std::optional<MeanAndSigma> of_replicates = MeanOver(with, value.name);
+      const std::optional<MeanAndSigma> of_replicates = ReplicateMeanAndSigma(with, value.name);
       if (!of_replicates) continue;
       value.twin_mean = of_replicates->mean;
       value.twin_sigma = of_replicates->sigma;
     }
     const NamedStatistics flight = Comparable(before_.statistics, before_.appearance.locations);
-    out_.validity.like_twins_p = LikeTwins(flight, with, linear, options_.seed);
+    out_.validity.like_twins_p = TestAmongReplicates(flight, with, linear, options_.seed);
     if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) LowerToPartial();
   }
 
   /// Returns no statistics, and adds a note, if the simulator cannot fly the scenario.
   std::vector<NamedStatistics> SimulateWith(const std::vector<GapCause>& causes,
-                                            const ExplainedFlight& last,
-                                            const Trajectory& trajectory) {
-    FullTwinOptions options;
+                                            const ExtendedFit& last, const Trajectory& trajectory) {
+    SimulatedReplicateOptions options;
     options.count = kSimulatedReplicates;
     options.seed = MixBits(options_.seed) + causes.size();
     options.threads = options_.threads;
     options.interrupted = options_.interrupted;
     try {
-      const Scenario scenario = TwinScenario(flight_, trajectory, causes, TotalBoresight(last));
-      return FlyTwins(flight_, scenario, trajectory, options);
+      const Scenario scenario =
+          MakeReplicateScenario(flight_, trajectory, causes, TotalBoresight(last));
+      return SimulateReplicates(flight_, scenario, trajectory, options);
     } catch (const InvalidInput& error) {
       out_.validity.notes.push_back(std::string("no simulated replicates: ") + error.what());
     }
@@ -424,21 +428,22 @@ class Diagnosis {
     }
   }
 
-  void BreakTies(const Attribution& attribution, const Trajectory& trajectory) {
-    const std::vector<Tie> ties = TiesOf(out_);
+  void BreakTies(const SelectedModel& attribution, const Trajectory& trajectory) {
+    const std::vector<Tie> ties = FindTies(out_);
     if (options_.depth == GapOptions::Depth::kScreen || ties.empty()) return;
     Report("how to separate the causes", 0.97);
-    const ExplainedFlight& last = attribution.last();
+    const ExtendedFit& last = attribution.last();
     std::vector<std::string> sentences;
     for (const Tie& tie : ties) {
-      const std::string text = TieBreaker(flight_, trajectory, TotalBoresight(last), tie, options_);
+      const std::string text =
+          ProposeTieBreaker(flight_, trajectory, TotalBoresight(last), tie, options_);
       if (!text.empty()) sentences.push_back(text);
     }
     out_.verdict.tie_breaker = fmt::format("{}", fmt::join(sentences, "; "));
     watch_.Lap("tie breaker");
   }
 
-  static Eigen::Vector3d TotalBoresight(const ExplainedFlight& explained) {
+  static Eigen::Vector3d TotalBoresight(const ExtendedFit& explained) {
     const Solution& solution = *explained.solution;
     if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) {
       return Eigen::Vector3d::Zero();
@@ -446,9 +451,9 @@ class Diagnosis {
     return solution.Boresight().angles_rad;
   }
 
-  GapResult Result(const Attribution& attribution, const Trajectory& trajectory) {
+  GapResult Result(const SelectedModel& attribution, const Trajectory& trajectory) {
     GapResult result;
-    const ExplainedFlight& last = attribution.last();
+    const ExtendedFit& last = attribution.last();
     result.adapted = Adapted(flight_, out_);
     result.trajectory = trajectory;
     result.boresight_rad = TotalBoresight(last);
@@ -458,7 +463,7 @@ class Diagnosis {
 
   const Flight& flight_;
   const GapOptions& options_;
-  Explainer explainer_;
+  ExtendedModelFitter fitter_;
   GapDiagnosis out_;
   Stopwatch watch_;
   Compared before_, after_;
@@ -467,7 +472,7 @@ class Diagnosis {
 GapResult DiagnoseAvailableData(const Flight& flight, const GapOptions& options) {
   const bool limits = options.depth == GapOptions::Depth::kLimits;
   if (limits && flight.config.imu && flight.config.gnss && HasPoses(flight)) {
-    return LimitsOfDesign(flight, options);
+    return DiagnoseDesignLimits(flight, options);
   }
   if (!flight.imu || !flight.gnss) return DiagnoseGaussHelmert(flight, options);
   return Diagnosis(flight, options).Run();

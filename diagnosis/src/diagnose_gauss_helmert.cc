@@ -1,9 +1,9 @@
 #include "diagnose_gauss_helmert.h"
 
 #include <dn/adjustment/gauss_helmert_flight.h>
-#include <dn/effects/effect_table.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/report.h>
+#include <dn/effects/effect_table.h>
 #include <dn/interrupted.h>
 #include <dn/log_sum.h>
 #include <dn/rotation.h>
@@ -34,13 +34,13 @@ constexpr std::size_t kFewestPairsOfFlight = 100;
 constexpr double kLargerErrorsNats = 20.0;
 // Norm of a standardised misclosure that counts as an outlier, and the fraction of good pairs above
 // it.
-constexpr double kGrossPairNorm = 4.6, kGoodPairsLost = 2e-4;
+constexpr double kOutlierPairNorm = 4.6, kGoodPairsLost = 2e-4;
 
 /// The pairs compared with their replicates, with the selected effects among the unknowns.
 struct ComparedPairs {
-  Appearance appearance;
-  Twins twins;
-  TwinTest test;
+  ResidualSummary appearance;
+  ReplicateSet twins;
+  ReplicateTest test;
 };
 
 class GaussHelmertDiagnosis {
@@ -66,8 +66,8 @@ class GaussHelmertDiagnosis {
   GapResult Limits() {
     Report("limits", 0.2);
     base_ = Explain({});
-    base_.screen = std::move(base_.at_stated);
-    FillDetectionLimits(kThresholdOfDesignNats);
+    base_.screen = std::move(base_.with_stated_errors);
+    FillDetectionLimits(kDesignThresholdNats);
     watch_.Lap("limits");
     return WithLimits(flight_, std::move(out_));
   }
@@ -80,8 +80,8 @@ class GaussHelmertDiagnosis {
     before_ = Compare(base_);
     watch_.Lap("twins");
     JudgeGap();
-    if (out_.detected) Attribute();
-    MakeSlots();
+    if (out_.detected) SelectEffects();
+    MakeAllHypotheses();
     watch_.Lap("attribution");
     FillWhere();
     FillCauses(base_.others, slots_, NamedCauses(), &out_);
@@ -112,8 +112,8 @@ class GaussHelmertDiagnosis {
     return flight_.config.lidar->robust == RobustKind::kNone && Wanted(EffectId::kP2pNoiseScale);
   }
 
-  ExplainedPairs Explain(const std::vector<ScreenedEffect>& chosen) {
-    ExplainedPairs explained = evidence_.Explain(chosen);
+  ExtendedPairFit Explain(const std::vector<ScreenedEffect>& chosen) {
+    ExtendedPairFit explained = evidence_.Explain(chosen);
     const bool there = std::any_of(chosen.begin(), chosen.end(), [](const auto& effect) {
       return effect.id == EffectId::kP2pOutliers;
     });
@@ -142,7 +142,7 @@ class GaussHelmertDiagnosis {
                         calibration_.adjustment.boresight_rad, PairCorrection::Zero());
       const Eigen::Matrix3d covariance =
           MisclosureCovariance(problem.pairs[k], at, ScaleAtPairEnds(scale));
-      if (at.w.dot(covariance.llt().solve(at.w)) < kGrossPairNorm * kGrossPairNorm) continue;
+      if (at.w.dot(covariance.llt().solve(at.w)) < kOutlierPairNorm * kOutlierPairNorm) continue;
       ++outliers_;
       lengths_m.push_back(at.w.norm());
     }
@@ -170,10 +170,10 @@ class GaussHelmertDiagnosis {
   }
 
   /// `gross`: excess of the number of outliers over the number expected from good pairs, in sigmas.
-  Appearance LookAt(const Screen& screen, const Eigen::VectorXd& s, double chi2, double white,
-                    double gross) const {
+  ResidualSummary SummariseScores(const Screen& screen, const Eigen::VectorXd& s, double chi2,
+                                  double white, double gross) const {
     const double n = evidence_.observations();
-    Appearance appearance;
+    ResidualSummary appearance;
     const Eigen::VectorXd places = Places(screen.score(), s);
     appearance.locations.resize(places.size() + 2);
     appearance.locations << places, (chi2 - n) / std::sqrt(2.0 * n), gross;
@@ -184,7 +184,7 @@ class GaussHelmertDiagnosis {
     }
     appearance.log_evidence.tail<1>()[0] = evidence_.NoiseEvidence(chi2);
     appearance.size_nats = std::max(0.0, appearance.log_evidence.maxCoeff()) / n;
-    appearance.pair_rms_m = PairSigma() * std::sqrt(chi2 / n) * white / evidence_.least_white();
+    appearance.pair_rms_m = PairSigma() * std::sqrt(chi2 / n) * white / evidence_.min_white();
     return appearance;
   }
 
@@ -197,7 +197,7 @@ class GaussHelmertDiagnosis {
   }
 
   /// Compares the scores with replicates that have the covariance of a flight without any effect.
-  ComparedPairs Compare(const ExplainedPairs& explained) const {
+  ComparedPairs Compare(const ExtendedPairFit& explained) const {
     return Compare(*explained.screen, explained.chi2, explained.scale.white,
                    OutlierExcessInSigmas(explained));
   }
@@ -209,23 +209,23 @@ class GaussHelmertDiagnosis {
     const Eigen::MatrixXd root =
         eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
     ComparedPairs out;
-    for (int twin = 0; twin < NumTwins(options_.depth); ++twin) {
+    for (int twin = 0; twin < NumReplicates(options_.depth); ++twin) {
       if (options_.interrupted && options_.interrupted()) throw Interrupted();
       Random random(options_.seed, "twin/" + std::to_string(twin));
       Eigen::VectorXd noise(root.cols());
       for (Eigen::Index k = 0; k < noise.size(); ++k) noise[k] = random.Normal();
       const double n = evidence_.observations();
       const double chi2 = std::max(0.0, n + std::sqrt(2.0 * n) * random.Normal());
-      out.twins.all.push_back(LookAt(screen, root * noise, chi2, white, random.Normal()));
+      out.twins.all.push_back(SummariseScores(screen, root * noise, chi2, white, random.Normal()));
     }
-    out.appearance = LookAt(screen, score.s, chi2_of_pairs, white, gross);
-    out.test = CompareWithTwins(out.appearance, out.twins);
+    out.appearance = SummariseScores(screen, score.s, chi2_of_pairs, white, gross);
+    out.test = CompareWithReplicates(out.appearance, out.twins);
     return out;
   }
 
   /// Returns the excess number of outliers in sigmas. The root of a count has a constant variance
   /// (Anscombe).
-  double OutlierExcessInSigmas(const ExplainedPairs& explained) const {
+  double OutlierExcessInSigmas(const ExtendedPairFit& explained) const {
     for (const ScreenedEffect& effect : explained.chosen) {
       if (effect.id == EffectId::kP2pOutliers) return 0.0;
     }
@@ -249,7 +249,7 @@ class GaussHelmertDiagnosis {
 
   /// Returns the p-value from the evidence alone. Replicates at one scale of the trajectory errors
   /// do not show that this scale was itself estimated.
-  static double PValue(const ExplainedPairs& explained) {
+  static double PValue(const ExtendedPairFit& explained) {
     const bool larger = explained.larger_errors_nats > kLargerErrorsNats;
     return std::min(PByEvidence(explained.others),
                     larger ? std::exp(-explained.larger_errors_nats) : 1.0);
@@ -267,7 +267,7 @@ class GaussHelmertDiagnosis {
 
   static std::vector<double> ReplicateSizes(const ComparedPairs& compared) {
     std::vector<double> sizes;
-    for (const Appearance& twin : compared.twins.all) sizes.push_back(twin.size_nats);
+    for (const ResidualSummary& twin : compared.twins.all) sizes.push_back(twin.size_nats);
     std::sort(sizes.begin(), sizes.end());
     return sizes;
   }
@@ -286,7 +286,7 @@ class GaussHelmertDiagnosis {
         before_.appearance.pair_rms_m * std::sqrt(std::max(0.0, 1.0 - n / std::max(n, base_.chi2)));
   }
 
-  /// Returns the quantity and the location of a statistic of LookAt.
+  /// Returns the quantity and the location of a statistic of SummariseScores.
   std::pair<std::string, std::string> StatisticLabel(Eigen::Index statistic) const {
     const char* axes[] = {"east", "north", "up"};
     const auto place = static_cast<std::size_t>(statistic / 3);
@@ -298,9 +298,9 @@ class GaussHelmertDiagnosis {
   }
 
   void FillWhere() {
-    const ComparedPairs stated = Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white,
-                                         OutlierExcessInSigmas(base_));
-    const TwinTest& test = stated.test;
+    const ComparedPairs stated = Compare(*base_.with_stated_errors, base_.chi2_with_stated_errors,
+                                         base_.scale.white, OutlierExcessInSigmas(base_));
+    const ReplicateTest& test = stated.test;
     const double larger_nats = (chosen_.empty() ? base_ : final_).larger_errors_nats;
     if (larger_nats > kLargerErrorsNats) {
       out_.where.push_back({"trajectory", "time-correlated errors against the stated ones",
@@ -311,7 +311,7 @@ class GaussHelmertDiagnosis {
       out_.fingerprint.push_back({fmt::format("lidar {}, {}", quantity, place),
                                   stated.appearance.locations[k], test.mean[k], test.sigma[k],
                                   std::nullopt, std::nullopt});
-      if (out_.where.size() >= kMostPlaces || test.p_adjusted[k] > options_.alpha) continue;
+      if (out_.where.size() >= kMaxPlaces || test.p_adjusted[k] > options_.alpha) continue;
       if (!out_.detected) continue;
       out_.where.push_back({"lidar", quantity, place, test.z[k], test.p_adjusted[k]});
     }
@@ -319,9 +319,9 @@ class GaussHelmertDiagnosis {
 
   // ---- Why --------------------------------------------------------------------------------------
 
-  void Attribute() {
+  void SelectEffects() {
     final_ = Explain({});
-    while (chosen_.size() < kMostCauses) {
+    while (chosen_.size() < kMaxCauses) {
       const ScreenedEffect* best = BestPhysical(final_.others);
       if (best == nullptr || best->log_evidence < Threshold()) break;
       Report("with " + best->name, 0.6);
@@ -332,10 +332,10 @@ class GaussHelmertDiagnosis {
     Revise();
   }
 
-  void MakeSlots() {
-    if (chosen_.empty()) slots_.push_back(MakeSlot("", base_.others));
+  void MakeAllHypotheses() {
+    if (chosen_.empty()) slots_.push_back(MakeCompetingHypotheses("", base_.others));
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
-      slots_.push_back(MakeSlot(chosen_[k].name, Explain(Without(k)).others));
+      slots_.push_back(MakeCompetingHypotheses(chosen_[k].name, Explain(Without(k)).others));
     }
   }
 
@@ -348,12 +348,12 @@ class GaussHelmertDiagnosis {
   /// Revises at most one earlier choice: each was made with fewer effects in the model than now.
   void Revise() {
     for (std::size_t k = 0; k + 1 < chosen_.size(); ++k) {
-      const ExplainedPairs others = Explain(Without(k));
+      const ExtendedPairFit others = Explain(Without(k));
       const ScreenedEffect* best = BestPhysical(others.others);
-      const double own = EvidenceOf(others.others, chosen_[k].name);
+      const double own = FindEvidence(others.others, chosen_[k].name);
       if (best == nullptr || best->log_evidence < Threshold()) {
         chosen_ = Without(k);
-      } else if (best->log_evidence > own + kSwapNats) {
+      } else if (best->log_evidence > own + kReplacementLeadNats) {
         const ScreenedEffect better = *best;
         chosen_ = Without(k);
         chosen_.push_back(better);
@@ -368,11 +368,11 @@ class GaussHelmertDiagnosis {
   void FillVerdict() {
     std::vector<std::string> named;
     for (const ScreenedEffect& effect : chosen_) named.push_back(effect.name);
-    const Decision decision{out_.detected,
-                            GenericEvidence(base_.others) > explained_nats_ + kGenericNats,
-                            !chosen_.empty() && PValue(final_) <= options_.alpha};
+    const Decision decision{
+        out_.detected, DiscrepancyEvidence(base_.others) > explained_nats_ + kDiscrepancyLeadNats,
+        !chosen_.empty() && PValue(final_) <= options_.alpha};
     out_.verdict = Decide(decision, named, slots_);
-    AllowForOutsiders(out_.verdict, &out_.causes);
+    ScaleToObservedRates(out_.verdict, &out_.causes);
   }
 
   std::vector<GapCause> NamedCauses() const {
@@ -383,7 +383,7 @@ class GaussHelmertDiagnosis {
   }
 
   /// Returns the evidence of the best explanation that was not selected.
-  static double LeftNats(const ExplainedPairs& explained) {
+  static double LeftNats(const ExtendedPairFit& explained) {
     const double most =
         explained.others.empty() ? 0.0 : std::max(0.0, explained.others.front().log_evidence);
     return most + std::max(0.0, explained.larger_errors_nats);
@@ -437,8 +437,8 @@ class GaussHelmertDiagnosis {
   // ---- Detection limits -------------------------------------------------------------------------
 
   void FillDetectionLimits(double threshold_nats) {
-    out_.could_still_hide = HiddenEffects(*base_.screen, threshold_nats, options_.seed);
-    for (HiddenEffect& hidden : HiddenByTrajectory(options_)) {
+    out_.could_still_hide = ComputeDetectionLimits(*base_.screen, threshold_nats, options_.seed);
+    for (DetectionLimit& hidden : EffectsInTrajectory(options_)) {
       out_.could_still_hide.push_back(std::move(hidden));
     }
   }
@@ -474,10 +474,10 @@ class GaussHelmertDiagnosis {
   GaussHelmertEvidence evidence_;
   GapDiagnosis out_;
   Stopwatch watch_;
-  ExplainedPairs base_, final_;
+  ExtendedPairFit base_, final_;
   ComparedPairs before_, after_;
   std::vector<ScreenedEffect> chosen_;
-  std::vector<Slot> slots_;
+  std::vector<CompetingHypotheses> slots_;
   double explained_nats_ = 0.0;
   long outliers_ = 0;
 };

@@ -36,8 +36,8 @@ bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::I
          Size(cause, i) == Size(cause, i - 1);
 }
 
-double PossibleShift(const HiddenEffect& effect) {
-  const double shift = effect.boresight_damage_rad.norm();
+double PossibleShift(const DetectionLimit& effect) {
+  const double shift = effect.boresight_shift_rad.norm();
   return std::isfinite(shift) ? shift : std::numeric_limits<double>::infinity();
 }
 
@@ -52,7 +52,7 @@ std::string PWords(double p_value) {
 }
 
 bool HasBoresight(const GapDiagnosis& diagnosis) {
-  const auto moves = [](const auto& effect) { return !effect.boresight_damage_rad.isZero(0.0); };
+  const auto moves = [](const auto& effect) { return !effect.boresight_shift_rad.isZero(0.0); };
   return std::any_of(diagnosis.causes.begin(), diagnosis.causes.end(), moves) ||
          std::any_of(diagnosis.could_still_hide.begin(), diagnosis.could_still_hide.end(), moves);
 }
@@ -93,7 +93,7 @@ std::string DiscrepancyWords(const GapDiscrepancy& discrepancy) {
                            : discrepancy.name;
 }
 
-std::string DetectableWords(const HiddenEffect& effect) {
+std::string DetectableWords(const DetectionLimit& effect) {
   const Eigen::VectorXd& sizes = effect.detectable_by_component;
   const EffectSpec* spec = FindEffect(effect.effect);
   if (sizes.size() < 2 || spec == nullptr) {
@@ -128,9 +128,9 @@ std::string ClosedWords(const GapShrinkage& shrinkage) {
                      100.0 * shrinkage.interval_high);
 }
 
-std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects) {
+std::vector<DetectionLimit> MostHarmful(std::vector<DetectionLimit> effects) {
   std::stable_sort(effects.begin(), effects.end(),
-                   [](const HiddenEffect& a, const HiddenEffect& b) {
+                   [](const DetectionLimit& a, const DetectionLimit& b) {
                      return PossibleShift(a) > PossibleShift(b);
                    });
   return effects;

@@ -42,10 +42,10 @@ std::string ClosedWords(const GapShrinkage& shrinkage);
 
 /// Returns the minimal detectable bias: "0.0012 s", or one value per component, "1.2, 3.1, 0.05
 /// deg/h/g (x, y, z alone)". A component that is undetectable at any size is written as "any".
-std::string DetectableWords(const HiddenEffect& effect);
+std::string DetectableWords(const DetectionLimit& effect);
 
 /// Sorts effects by the possible shift of the boresight, largest first; unbounded shifts come
 /// before all others.
-std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects);
+std::vector<DetectionLimit> MostHarmful(std::vector<DetectionLimit> effects);
 
 }  // namespace dn::internal

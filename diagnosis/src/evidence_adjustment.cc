@@ -44,7 +44,7 @@ long RejectIsolated(const std::vector<Judged>& judged, Network* net) {
   if (judged.empty()) return 0;
   std::vector<double> statistics;
   for (const Judged& one : judged) statistics.push_back(one.statistic);
-  const double gross = kGrossNorm * kGrossNorm * RobustVariance(statistics);
+  const double gross = kOutlierNorm * kOutlierNorm * RobustVariance(statistics);
   long rejected = 0;
   for (std::size_t k = 0; k < judged.size(); ++k) {
     const bool shared =
@@ -81,7 +81,7 @@ EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& 
   EvidenceAdjustment out;
   AdjustOptions own = options;
   own.stages = DefaultStages(options.with_pairs);
-  StageNamed("GNSS screening", &own.stages)->run = [&](AdjustmentRun& run) {
+  FindStage("GNSS screening", &own.stages)->run = [&](AdjustmentRun& run) {
     out.gnss_left_out = RejectGnssOutliers(run);
   };
   out.adjustment = Adjust(flight, own);

@@ -1,7 +1,7 @@
 #include "explained_flight.h"
 
-#include <dn/effects/effect_table.h>
 #include <dn/diagnosis/adapt.h>
+#include <dn/effects/effect_table.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/robust_scale.h>
 
@@ -34,26 +34,26 @@ void AddShortOutlierNoise(const Flight& flight, const std::vector<GapCause>& cau
                           FlightConfig* config) {
   const auto times = [](const GapCause& cause, double sigma_m, double norm) {
     return std::sqrt(1.0 +
-                     VarianceOfShortOnes(cause.estimate[0], cause.estimate[1], sigma_m, norm));
+                     ShortOutlierVariance(cause.estimate[0], cause.estimate[1], sigma_m, norm));
   };
   for (const GapCause& cause : causes) {
     if (IsEffect(cause.effect, EffectId::kP2pOutliers)) {
-      config->lidar->sigma_p_m *= times(cause, MedianPairSigma(flight), kGrossPairNorm);
+      config->lidar->sigma_p_m *= times(cause, MedianPairSigma(flight), kOutlierPairNorm);
     } else if (IsEffect(cause.effect, EffectId::kGnssOutliers)) {
       const double sigma_m = std::cbrt(MedianGnssSigma(flight).prod());
-      config->gnss->sigma_scale *= times(cause, sigma_m, kGrossNorm);
+      config->gnss->sigma_scale *= times(cause, sigma_m, kOutlierNorm);
     }
   }
 }
 
 }  // namespace
 
-Explainer::Explainer(const Flight& flight, const GapOptions& options)
+ExtendedModelFitter::ExtendedModelFitter(const Flight& flight, const GapOptions& options)
     : flight_(flight),
       options_(options),
       with_pairs_(flight.pairs.has_value() && !flight.pairs->pairs.empty()) {}
 
-Adjustment Explainer::AdjustWith(const Flight& flight, long* gnss_left_out) const {
+Adjustment ExtendedModelFitter::AdjustWith(const Flight& flight, long* gnss_left_out) const {
   AdjustOptions adjust;
   adjust.with_pairs = with_pairs_;
   adjust.threads = options_.threads;
@@ -63,8 +63,8 @@ Adjustment Explainer::AdjustWith(const Flight& flight, long* gnss_left_out) cons
   return std::move(evidence.adjustment);
 }
 
-ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
-  ExplainedFlight out;
+ExtendedFit ExtendedModelFitter::Explain(const std::vector<GapCause>& causes) const {
+  ExtendedFit out;
   out.causes = causes;
   out.flight = std::make_unique<Flight>(flight_);
   out.flight->config = Adapted(flight_, causes);
@@ -85,7 +85,7 @@ ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
   return out;
 }
 
-void Explainer::AddOutliers(ExplainedFlight* explained) const {
+void ExtendedModelFitter::AddOutliers(ExtendedFit* explained) const {
   const auto add = [&](EffectId id, long found, long of_all, double usual,
                        const std::vector<double>& lengths_m) {
     const LibraryOptions wanted{options_.effects, options_.left_out, 1};
@@ -115,7 +115,7 @@ void Explainer::AddOutliers(ExplainedFlight* explained) const {
       static_cast<long>(network.gnss_edges.size()), kGoodEpochsLost, positions_m);
 }
 
-void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
+void ExtendedModelFitter::EvaluateProcesses(ExtendedFit* explained) const {
   if (explained->effects.empty()) return;
   const double best = explained->effects.front().log_evidence;
   for (ScreenedEffect& effect : explained->effects) {
@@ -124,7 +124,7 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
     const bool with_scaled_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
     if (effect.log_evidence < kWithinReach * best && !with_scaled_noise) continue;
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
-    JudgeProcess(explained->solution->network(), options_.threads, &effect);
+    EvaluateProcess(explained->solution->network(), options_.threads, &effect);
   }
   SortByEvidence(&explained->effects);
   ScreenedEffect& likeliest = explained->effects.front();
@@ -133,21 +133,22 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
   }
 }
 
-TwinTest Explainer::Test(const ExplainedFlight& explained, int count, Appearance* appearance,
-                         Twins* twins, std::vector<LocationStatistic>* statistics) const {
+ReplicateTest ExtendedModelFitter::Test(const ExtendedFit& explained, int count,
+                                        ResidualSummary* appearance, ReplicateSet* twins,
+                                        std::vector<LocationStatistic>* statistics) const {
   const Solution& solution = *explained.solution;
   const Locations locations(solution.network(), solution.linearized(),
                             solution.trajectory().redundancy);
-  TwinOptions options;
+  ReplicateOptions options;
   options.count = count;
   options.seed = options_.seed;
   options.threads = options_.threads;
   options.interrupted = options_.interrupted;
-  *twins = MakeTwins(solution.marginals(), *explained.screen, locations, options);
+  *twins = MakeReplicates(solution.marginals(), *explained.screen, locations, options);
   *appearance = Look(*explained.screen, locations, solution.linearized().residual(),
                      explained.screen->score().s);
   *statistics = locations.statistics();
-  return CompareWithTwins(*appearance, *twins);
+  return CompareWithReplicates(*appearance, *twins);
 }
 
 }  // namespace dn::internal

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <dn/adjustment/solution.h>
-#include <dn/files/flight.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/files/flight.h>
 
 #include <memory>
 #include <string>
@@ -17,7 +17,7 @@ namespace dn::internal {
 
 /// A flight adjusted with some effects in the estimator (the extended model), and the screen of all
 /// other effects.
-struct ExplainedFlight {
+struct ExtendedFit {
   std::vector<GapCause> causes;
   std::unique_ptr<Flight> flight;  ///< with the adapted configuration
   std::unique_ptr<Solution> solution;
@@ -28,30 +28,30 @@ struct ExplainedFlight {
 };
 
 /// Adjusts a flight with an extended model, and screens the effects that the model lacks.
-class Explainer {
+class ExtendedModelFitter {
  public:
   /// Both arguments must outlive the object.
-  Explainer(const Flight& flight, const GapOptions& options);
+  ExtendedModelFitter(const Flight& flight, const GapOptions& options);
 
   bool with_pairs() const { return with_pairs_; }
   const GapOptions& options() const { return options_; }
 
   /// Adjusts the flight with the given causes in the model and screens all other effects. Throws as
   /// Adjust.
-  ExplainedFlight Explain(const std::vector<GapCause>& causes) const;
+  ExtendedFit Explain(const std::vector<GapCause>& causes) const;
 
   /// Evaluates the processes that may win with the process among the unknowns, and sorts by
   /// evidence again.
-  void JudgeProcesses(ExplainedFlight* explained) const;
+  void EvaluateProcesses(ExtendedFit* explained) const;
 
   /// Makes `twins` linear replicates and compares the flight with them. Fills `appearance`, `all`
   /// and `statistics`.
-  TwinTest Test(const ExplainedFlight& explained, int twins, Appearance* appearance, Twins* all,
-                std::vector<LocationStatistic>* statistics) const;
+  ReplicateTest Test(const ExtendedFit& explained, int twins, ResidualSummary* appearance,
+                     ReplicateSet* all, std::vector<LocationStatistic>* statistics) const;
 
  private:
   Adjustment AdjustWith(const Flight& flight, long* gnss_left_out) const;
-  void AddOutliers(ExplainedFlight* explained) const;
+  void AddOutliers(ExtendedFit* explained) const;
 
   const Flight& flight_;
   const GapOptions& options_;

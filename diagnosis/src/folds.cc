@@ -104,14 +104,14 @@ void AddOutages(const FlightNetwork& network, int count, std::vector<Fold>* fold
 
 }  // namespace
 
-std::vector<Fold> MakeFolds(const FlightNetwork& network, int of_each_kind) {
+std::vector<Fold> MakeFolds(const FlightNetwork& network, int num_per_kind) {
   std::vector<Fold> folds;
-  AddTiles(network, of_each_kind, &folds);
-  AddOutages(network, of_each_kind, &folds);
+  AddTiles(network, num_per_kind, &folds);
+  AddOutages(network, num_per_kind, &folds);
   return folds;
 }
 
-std::vector<FoldFactor> FactorsOf(const Fold& fold, const FlightNetwork& network) {
+std::vector<FoldFactor> FindFoldFactors(const Fold& fold, const FlightNetwork& network) {
   std::map<std::pair<double, double>, FoldFactor> pairs;
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
     pairs[{edge.pair.t_i_s, edge.pair.t_j_s}] = {edge.id, network.nodes[edge.node_i].p_mb.id};

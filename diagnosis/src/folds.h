@@ -20,9 +20,9 @@ struct Fold {
 
 /// Makes folds of two kinds: tiles of the ground with equal numbers of pairs, and GNSS outages of
 /// 30 s, one every 180 s. Neighbouring data share the trajectory error, so that neighbours would
-/// predict a single held-out measurement. Returns fewer than `of_each_kind` of a kind if the data
+/// predict a single held-out measurement. Returns fewer than `num_per_kind` of a kind if the data
 /// are few.
-std::vector<Fold> MakeFolds(const FlightNetwork& network, int of_each_kind);
+std::vector<Fold> MakeFolds(const FlightNetwork& network, int num_per_kind);
 
 /// A factor of a fold, and the block of the position or velocity that it measures. The derivative
 /// with respect to that block is the root W of the factor's weight.
@@ -33,6 +33,6 @@ struct FoldFactor {
 
 /// Returns the factors of a fold in a network, active or not. Two networks of one flight return
 /// them in the same order. A measurement that the network lacks has the id -1.
-std::vector<FoldFactor> FactorsOf(const Fold& fold, const FlightNetwork& network);
+std::vector<FoldFactor> FindFoldFactors(const Fold& fold, const FlightNetwork& network);
 
 }  // namespace dn::internal

@@ -48,7 +48,7 @@ std::vector<std::string> CommonNames(const std::vector<NamedStatistics>& of,
 
 /// Returns the values in standard deviations of the linear replicates from their mean.
 Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<std::string>& names,
-                             const LinearTwins& linear) {
+                             const LinearReplicates& linear) {
   Eigen::VectorXd z(static_cast<Eigen::Index>(names.size()));
   for (std::size_t k = 0; k < names.size(); ++k) {
     z[static_cast<Eigen::Index>(k)] =
@@ -125,7 +125,7 @@ double DeviationSize(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
 
 }  // namespace
 
-void AssumeAs(const FlightConfig& of, FlightConfig* config) {
+void CopyAssumptions(const FlightConfig& of, FlightConfig* config) {
   config->estimate = of.estimate;
   config->network = of.network;
   config->gnss->robust = of.gnss->robust;
@@ -149,8 +149,9 @@ NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
   return named;
 }
 
-std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scenario,
-                                      const Trajectory& replayed, const FullTwinOptions& options) {
+std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scenario& scenario,
+                                                const Trajectory& replayed,
+                                                const SimulatedReplicateOptions& options) {
   std::vector<NamedStatistics> all(static_cast<std::size_t>(options.count));
   ParallelFor(options.count, options.threads, [&](int k) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
@@ -158,7 +159,7 @@ std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scen
     simulate.seed = MixBits(options.seed + static_cast<std::uint64_t>(k));
     simulate.replay = &replayed;
     Flight twin = Simulate(scenario, simulate).flight;
-    AssumeAs(flight.config, &twin.config);
+    CopyAssumptions(flight.config, &twin.config);
     try {
       all[static_cast<std::size_t>(k)] = ComputeStatistics(twin, options.interrupted);
     } catch (const NotConverged&) {
@@ -171,19 +172,20 @@ std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scen
   return all;
 }
 
-LinearTwins NamedLinearTwins(const std::vector<LocationStatistic>& statistics, const Twins& twins,
-                             const TwinTest& test) {
-  LinearTwins linear;
+LinearReplicates NameLinearReplicates(const std::vector<LocationStatistic>& statistics,
+                                      const ReplicateSet& twins, const ReplicateTest& test) {
+  LinearReplicates linear;
   linear.mean = Comparable(statistics, test.mean);
   linear.sigma = Comparable(statistics, test.sigma);
-  for (const Appearance& twin : twins.all) {
+  for (const ResidualSummary& twin : twins.all) {
     linear.all.push_back(Comparable(statistics, twin.locations));
   }
   return linear;
 }
 
-std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full,
-                                        const LinearTwins& linear, std::uint64_t seed) {
+std::optional<double> TestSimulatedAgainstLinear(const std::vector<NamedStatistics>& full,
+                                                 const LinearReplicates& linear,
+                                                 std::uint64_t seed) {
   const std::vector<std::string> names = CommonNames(full, linear.mean);
   if (full.size() < kMinReplicates || names.empty()) return std::nullopt;
   std::vector<Eigen::VectorXd> points;
@@ -204,9 +206,9 @@ std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full
   return (1.0 + as_far) / (1.0 + kPermutations);
 }
 
-std::optional<double> LikeTwins(const NamedStatistics& flight,
-                                const std::vector<NamedStatistics>& twins,
-                                const LinearTwins& linear, std::uint64_t seed) {
+std::optional<double> TestAmongReplicates(const NamedStatistics& flight,
+                                          const std::vector<NamedStatistics>& twins,
+                                          const LinearReplicates& linear, std::uint64_t seed) {
   std::vector<NamedStatistics> both = twins;
   both.push_back(flight);
   const std::vector<std::string> names = CommonNames(both, linear.mean);
@@ -219,7 +221,7 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
   Eigen::VectorXd mark(of_flight.size()), off(of_flight.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    const MeanAndSigma of_replicates = *MeanOver(twins, names[k]);
+    const MeanAndSigma of_replicates = *ReplicateMeanAndSigma(twins, names[k]);
     const double unit = linear.sigma.at(names[k]);
     mark[at] = (of_replicates.mean - linear.mean.at(names[k])) / unit;
     const double scatter = std::max(of_replicates.sigma / unit, 1.0);
@@ -239,8 +241,8 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
   return (1.0 + as_far) / (1.0 + kPermutations);
 }
 
-std::optional<MeanAndSigma> MeanOver(const std::vector<NamedStatistics>& twins,
-                                     const std::string& name) {
+std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatistics>& twins,
+                                                  const std::string& name) {
   std::vector<double> values;
   for (const NamedStatistics& twin : twins) {
     const auto at = twin.find(name);

@@ -8,7 +8,7 @@ namespace dn {
 namespace {
 
 constexpr std::size_t kMostCausesDrawn = 15;
-constexpr std::size_t kMostStatistics = 30;
+constexpr std::size_t kMaxStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 constexpr double kBarOffset = 0.2;      // offset of two bars on one row
 constexpr double kSpanOffset = 0.32;    // offset of two spans from the bar between them
@@ -40,7 +40,7 @@ std::vector<FingerprintValue> MostDeviating(std::vector<FingerprintValue> values
                    [](const FingerprintValue& a, const FingerprintValue& b) {
                      return std::abs(Deviation(a)) > std::abs(Deviation(b));
                    });
-  if (values.size() > kMostStatistics) values.resize(kMostStatistics);
+  if (values.size() > kMaxStatistics) values.resize(kMaxStatistics);
   return values;
 }
 

@@ -12,7 +12,7 @@
 namespace dn {
 namespace {
 
-constexpr std::size_t kMostPlaces = 5;
+constexpr std::size_t kMaxPlaces = 5;
 constexpr std::size_t kMaxCausesListed = 8;
 constexpr double kLeastPosterior = 0.05;
 
@@ -46,7 +46,7 @@ std::string SizeLines(const GapDiagnosis& d) {
 
 std::string PlaceLines(const GapDiagnosis& d) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostPlaces, d.where.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxPlaces, d.where.size()); ++i) {
     const GapLocation& place = d.where[i];
     text += fmt::format("{:<10}{} {}, {}: {:.3g} ({})\n", i == 0 ? "where" : "", place.sensor,
                         place.quantity, place.location, place.statistic,
@@ -58,8 +58,8 @@ std::string PlaceLines(const GapDiagnosis& d) {
 /// Returns the shifts of roll, pitch and yaw, mdeg.
 std::string Moves(const GapDiagnosis& d, const GapCause& cause) {
   if (!internal::HasBoresight(d)) return "";
-  if (cause.boresight_damage_rad.isZero(0.0)) return "-";
-  const std::string words = internal::MdegWords(cause.boresight_damage_rad);
+  if (cause.boresight_shift_rad.isZero(0.0)) return "-";
+  const std::string words = internal::MdegWords(cause.boresight_shift_rad);
   return words.substr(0, words.rfind(' '));
 }
 
@@ -147,7 +147,7 @@ std::string ValidityLines(const GapValidity& validity) {
                         P(*validity.like_twins_p));
   }
   for (const std::string& note : validity.notes) text += "; " + note;
-  return "trust     " + Wrapped(text, "          ");
+  return "trust     " + WrapText(text, "          ");
 }
 
 }  // namespace
@@ -155,13 +155,13 @@ std::string ValidityLines(const GapValidity& validity) {
 std::string GapSummary(const GapDiagnosis& diagnosis) {
   const std::string head =
       fmt::format("flight {}: {}\n  ", diagnosis.flight, Word(diagnosis.verdict.kind)) +
-      Wrapped(diagnosis.verdict.text, "  ");
+      WrapText(diagnosis.verdict.text, "  ");
   if (diagnosis.verdict.kind == GapVerdictKind::kUnavailable)
     return head +
-           HiddenEffectsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis));
+           DetectionLimitsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis));
   return head + SizeLines(diagnosis) + PlaceLines(diagnosis) + CauseLines(diagnosis) +
          ShrinkageLines(diagnosis.shrinkage) +
-         HiddenEffectsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis)) +
+         DetectionLimitsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis)) +
          ValidityLines(diagnosis.validity);
 }
 

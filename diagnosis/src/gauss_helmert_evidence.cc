@@ -96,20 +96,20 @@ class GaussHelmertEvidence::Search {
   Search(GaussHelmertEvidence* evidence, const std::vector<ScreenedEffect>& chosen)
       : evidence_(*evidence), chosen_(chosen) {}
 
-  ExplainedPairs Run() {
+  ExtendedPairFit Run() {
     const NoiseRatio noise = FindNoise(Climb({}, 1.0, std::nullopt));
     const double most = Chosen(kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
-    white_ = Chosen(kNoise) ? most : std::max(most, evidence_.least_white_);
+    white_ = Chosen(kNoise) ? most : std::max(most, evidence_.min_white_);
     const Octaves top = Climb({}, white_, std::nullopt);
     base_ = At(top, white_).of_errors;
-    ExplainedPairs out;
+    ExtendedPairFit out;
     const Height& at_top = At(top, white_);
     out.scale = MakeScale(top, white_);
     out.chi2 = evidence_.At(top, white_).chi2;
     out.larger_errors_nats = base_ - At({}, white_).of_errors;
     out.screen = std::make_unique<Screen>(at_top.screen);
-    out.at_stated = std::make_unique<Screen>(At({}, white_).screen);
-    out.chi2_at_stated = evidence_.At({}, white_).chi2;
+    out.with_stated_errors = std::make_unique<Screen>(At({}, white_).screen);
+    out.chi2_with_stated_errors = evidence_.At({}, white_).chi2;
     for (std::size_t family = 0; family < at_top.effects.size(); ++family) {
       out.others.push_back(Judge(family, top));
     }
@@ -135,14 +135,15 @@ class GaussHelmertEvidence::Search {
     const auto key = std::make_pair(octaves, white);
     const auto known = heights_.find(key);
     if (known != heights_.end()) return known->second;
-    const LastingErrors::AtScale& at = evidence_.At(octaves, white);
+    const TimeCorrelatedErrorModel::ScaleSolution& at = evidence_.At(octaves, white);
     const Combinations combined = Combine(evidence_.library_.library, chosen_, at.score);
     const int octaves2 = octaves.position * octaves.position + octaves.attitude * octaves.attitude;
     Height height{at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma),
                   Screen(evidence_.library_.library, WithUnknowns(at.score, combined.T)),
                   {}};
     if (combined.T.cols() > 0) {
-      const EvidenceForm form(combined.T.transpose() * at.score.A * combined.T, combined.typical);
+      const SizeAveragedEvidence form(combined.T.transpose() * at.score.A * combined.T,
+                                      combined.typical);
       height.of_errors += form.LogEvidence(combined.T.transpose() * at.score.s);
     }
     height.effects = height.screen.EffectsInOrder();
@@ -213,17 +214,17 @@ class GaussHelmertEvidence::Search {
 
   ScreenedEffect JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
     const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
-    ScreenedEffect effect = Unscreened(kNoise);
+    ScreenedEffect effect = MakeUnscreened(kNoise);
     effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
                           NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
     effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));
-    const double of_pairs = noise.ratio / evidence_.least_white_;
+    const double of_pairs = noise.ratio / evidence_.min_white_;
     effect.estimate = VectorXd::Constant(1, of_pairs);
     effect.sigma = VectorXd::Constant(1, noise.ln_sigma * of_pairs);
     return effect;
   }
 
-  void EstimateChosen(const Octaves& top, ExplainedPairs* out) {
+  void EstimateChosen(const Octaves& top, ExtendedPairFit* out) {
     out->chosen = chosen_;
     const JointScore& score = evidence_.At(top, white_).score;
     const Combinations combined = Combine(evidence_.library_.library, chosen_, score);
@@ -257,9 +258,9 @@ GaussHelmertEvidence::GaussHelmertEvidence(const GaussHelmertLibrary& library,
       errors_(pairs.rows, strips, pairs.error_sqrt, pairs.prior, library.blocks),
       with_noise_scale_(with_noise_scale),
       observations_(3.0 * static_cast<double>(pairs.rows.size())),
-      least_white_(std::sqrt(pairs.share_of_pairs)) {}
+      min_white_(std::sqrt(pairs.pair_noise_share)) {}
 
-ExplainedPairs GaussHelmertEvidence::Explain(const std::vector<ScreenedEffect>& chosen) {
+ExtendedPairFit GaussHelmertEvidence::Explain(const std::vector<ScreenedEffect>& chosen) {
   return Search(this, chosen).Run();
 }
 
@@ -270,7 +271,8 @@ double GaussHelmertEvidence::NoiseEvidence(double chi2) const {
          NoisePrior(0.5 * std::log(ratio), 1.0 / std::sqrt(2.0 * observations_));
 }
 
-const LastingErrors::AtScale& GaussHelmertEvidence::At(const Octaves& octaves, double white) {
+const TimeCorrelatedErrorModel::ScaleSolution& GaussHelmertEvidence::At(const Octaves& octaves,
+                                                                        double white) {
   const auto key = std::make_tuple(octaves.position, octaves.attitude, white);
   const auto known = known_.find(key);
   if (known != known_.end()) return known->second;

@@ -16,21 +16,21 @@ namespace dn::internal {
 
 /// Pairs on a given trajectory with some effects among the unknowns, and the evidence of all other
 /// effects.
-struct ExplainedPairs {
+struct ExtendedPairFit {
   std::vector<ScreenedEffect> chosen;  ///< with their joint estimates
   std::vector<ScreenedEffect> others;  ///< most probable first
   ErrorScale scale;                    ///< most probable scale with the chosen effects
   double chi2 = 0.0;                   ///< at this scale
   /// Evidence of this scale of the trajectory errors against the stated one.
   double larger_errors_nats = 0.0;
-  std::unique_ptr<Screen> at_stated;  ///< with trajectory errors of the stated size
-  double chi2_at_stated = 0.0;
+  std::unique_ptr<Screen> with_stated_errors;  ///< with trajectory errors of the stated size
+  double chi2_with_stated_errors = 0.0;
   std::unique_ptr<Screen> screen;  ///< at this scale, with the chosen effects
   /// Covariance added by the chosen effects.
   Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
 };
 
-/// Evidence of lidar effects with time-correlated trajectory errors in the model (LastingErrors).
+/// Evidence of lidar effects with time-correlated trajectory errors in the model (TimeCorrelatedErrorModel).
 /// It is not known how much of the stated trajectory errors is independent between pairs. The noise
 /// of the pairs is therefore free between its own stated size and that with all these errors. The
 /// trajectory errors may be larger than stated, by octaves. The evidence of an effect is the
@@ -42,11 +42,11 @@ class GaussHelmertEvidence {
                        const std::vector<StripInterval>& strips, bool with_noise_scale);
 
   /// Estimates the chosen effects and evaluates all others.
-  ExplainedPairs Explain(const std::vector<ScreenedEffect>& chosen);
+  ExtendedPairFit Explain(const std::vector<ScreenedEffect>& chosen);
 
   double observations() const { return observations_; }
   /// Returns the ratio of the pairs' own noise to its upper limit, as standard deviations.
-  double least_white() const { return least_white_; }
+  double min_white() const { return min_white_; }
   /// Returns the evidence of scaled white noise of the pairs, assuming that chi2 is chi-square
   /// distributed.
   double NoiseEvidence(double chi2) const;
@@ -58,14 +58,14 @@ class GaussHelmertEvidence {
   };
   struct Height;
   class Search;
-  const LastingErrors::AtScale& At(const Octaves& octaves, double white);
+  const TimeCorrelatedErrorModel::ScaleSolution& At(const Octaves& octaves, double white);
 
   const GaussHelmertLibrary& library_;
-  LastingErrors errors_;
+  TimeCorrelatedErrorModel errors_;
   bool with_noise_scale_;
   double observations_ = 0.0;
-  double least_white_ = 1.0;  // ratio of the pairs' own noise to its upper limit
-  std::map<std::tuple<int, int, double>, LastingErrors::AtScale> known_;
+  double min_white_ = 1.0;  // ratio of the pairs' own noise to its upper limit
+  std::map<std::tuple<int, int, double>, TimeCorrelatedErrorModel::ScaleSolution> known_;
 };
 
 }  // namespace dn::internal

@@ -29,16 +29,16 @@ class GaussHelmertLibraryMaker {
         pairs_(pairs),
         strips_(InTime(strips)),
         options_(options),
-        scan_angles_(ScanAnglesOf(lidar_, pairs.ends)) {}
+        scan_angles_(FindScanAngleRange(lidar_, pairs.ends)) {}
 
   GaussHelmertLibrary Run() {
-    for (CandidateEffect& effect : EffectsOfScanner(flight_, pairs_.ends))
+    for (CandidateEffect& effect : MakeScannerEffects(flight_, pairs_.ends))
       AddFixed(std::move(effect));
-    AddFixed(OnPairs(*FindEstimable(EffectId::kBoresightDrift), flight_, pairs_.ends));
+    AddFixed(MakePairCandidate(*FindEstimable(EffectId::kBoresightDrift), flight_, pairs_.ends));
     AddBoresightByCell();
     AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, scan_angles_));
-    if (strips_.size() > 1 && strips_.size() <= kMostStripsTogether) {
+    if (strips_.size() > 1 && strips_.size() <= kMaxJointStrips) {
       AddGeneric(LaserByStrip(strips_));
     }
     AddStripPlaces();
@@ -71,18 +71,20 @@ class GaussHelmertLibraryMaker {
     out_.library.candidates.push_back(std::move(candidate));
   }
 
-  std::size_t AddOwn(const OwnEffect& own) { return AddBlock(OnPairs(own, pairs_.ends)); }
+  std::size_t AddOwn(const UserEffect& own) {
+    return AddBlock(MakePairCandidate(own, pairs_.ends));
+  }
 
-  void AddGeneric(const OwnEffect& own) { AddGeneric(own, AddOwn(own)); }
+  void AddGeneric(const UserEffect& own) { AddGeneric(own, AddOwn(own)); }
 
-  void AddGeneric(const OwnEffect& own, std::size_t block) {
-    out_.library.candidates.push_back(Nameless(own.name, block, own.typical));
+  void AddGeneric(const UserEffect& own, std::size_t block) {
+    out_.library.candidates.push_back(MakeDiscrepancy(own.name, block, own.typical));
   }
 
   void AddBoresightByCell() {
-    if (strips_.size() > kMostStripsTogether) return;
+    if (strips_.size() > kMaxJointStrips) return;
     const TimeCells cells = BoresightCells(strips_);
-    const OwnEffect own = BoresightByCell(cells);
+    const UserEffect own = BoresightByCell(cells);
     const std::size_t block = AddOwn(own);
     if (options_.Wanted(EffectId::kBoresightStep)) {
       for (int cell = 1; cell < cells.count(); ++cell) {
@@ -98,10 +100,10 @@ class GaussHelmertLibraryMaker {
   void AddBoresightShapes() {
     const std::vector<double> taus_s = SettlingTausS(strips_);
     if (taus_s.empty()) return;
-    const OwnEffect settling = BoresightSettling(strips_.front().t0_s, taus_s);
+    const UserEffect settling = BoresightSettling(strips_.front().t0_s, taus_s);
     AddSettling(settling.name, AddOwn(settling), taus_s, settling.typical, &out_.library);
     if (strips_.size() < kFewestHeadings) return;
-    AddGeneric(BoresightByHeading(strips_, flight_.trajectory->InMap(flight_.frame)));
+    AddGeneric(BoresightByHeading(strips_, flight_.trajectory->ToMapPoses(flight_.frame)));
   }
 
   /// Adds a common offset of some pairs.
@@ -122,7 +124,7 @@ class GaussHelmertLibraryMaker {
       const PairEnds& pair = pairs_.ends[k];
       members[StripPairName(strips_, pair.i.t_s, pair.j.t_s)].push_back(k);
     }
-    if (members.size() > kMostStripsTogether) return;
+    if (members.size() > kMaxJointStrips) return;
     for (const auto& [strips, of_strips] : members) AddPlace("strips " + strips, of_strips);
   }
 

@@ -135,7 +135,7 @@ Eigen::VectorXd Cosines::GaussMarkov(double tau_s) const {
   return sigma;
 }
 
-OwnEffect BoresightByCell(const TimeCells& cells) {
+UserEffect BoresightByCell(const TimeCells& cells) {
   auto weights = [cells](double t_s, Eigen::VectorXd* w) { (*w)[cells.At(t_s)] = 1.0; };
   return {"boresight by time", std::make_shared<TurnByTime>(cells.count(), std::move(weights)),
           Eigen::VectorXd::Constant(3 * cells.count(), kBoresightRad)};
@@ -149,7 +149,7 @@ std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips) {
   return taus_s;
 }
 
-OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s) {
+UserEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s) {
   auto weights = [begin_s, taus_s](double t_s, Eigen::VectorXd* w) {
     for (std::size_t k = 0; k < taus_s.size(); ++k) {
       (*w)[static_cast<Eigen::Index>(k)] = std::exp(-(t_s - begin_s) / taus_s[k]);
@@ -160,8 +160,8 @@ OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s) {
           Eigen::VectorXd::Constant(3 * count, kBoresightRad)};
 }
 
-OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
-                             const std::vector<MapPose>& path) {
+UserEffect BoresightByHeading(const std::vector<StripInterval>& strips,
+                              const std::vector<MapPose>& path) {
   TimeCells of_strips;
   std::vector<Eigen::Vector2d> course;
   for (const StripInterval& strip : strips) {
@@ -177,14 +177,14 @@ OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
           Eigen::VectorXd::Constant(6, kBoresightRad)};
 }
 
-OwnEffect GnssByCell(const TimeCells& cells) {
+UserEffect GnssByCell(const TimeCells& cells) {
   auto weights = [cells](double t_s, Eigen::VectorXd* w) { (*w)[cells.At(t_s)] = 1.0; };
   return {"GNSS positions by time",
           std::make_shared<ShiftByTime>(cells.count(), std::move(weights)),
           Eigen::VectorXd::Constant(3 * cells.count(), kGnssM)};
 }
 
-OwnEffect GnssByCosine(const Cosines& cosines) {
+UserEffect GnssByCosine(const Cosines& cosines) {
   auto weights = [cosines](double t_s, Eigen::VectorXd* w) { *w = cosines.At(t_s); };
   return {"GNSS positions by frequency",
           std::make_shared<ShiftByTime>(cosines.count, std::move(weights)),

@@ -48,7 +48,7 @@ struct Cosines {
 };
 
 /// Returns a boresight offset that is constant in each cell: three components per cell.
-OwnEffect BoresightByCell(const TimeCells& cells);
+UserEffect BoresightByCell(const TimeCells& cells);
 
 /// Returns the time constants tried for a decaying boresight offset: fractions of the time from the
 /// first strip to the end of the last. Slower decay looks like a drift. `strips` must be in order
@@ -56,7 +56,7 @@ OwnEffect BoresightByCell(const TimeCells& cells);
 std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips);
 
 /// Returns a boresight offset that decays from begin_s on: three components per time constant.
-OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s);
+UserEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s);
 
 /// Smallest number of strips for which BoresightByHeading differs from a free boresight of each
 /// strip.
@@ -65,15 +65,15 @@ inline constexpr std::size_t kFewestHeadings = 4;
 /// Returns a boresight offset that follows the cosine and the sine of the heading in the middle of
 /// each strip: three components each. `strips` and `path` must be in order of time, `path` not
 /// empty.
-OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
-                             const std::vector<MapPose>& path);
+UserEffect BoresightByHeading(const std::vector<StripInterval>& strips,
+                              const std::vector<MapPose>& path);
 
 /// Returns a GNSS position offset (map axes) that is constant in each cell: three components per
 /// cell.
-OwnEffect GnssByCell(const TimeCells& cells);
+UserEffect GnssByCell(const TimeCells& cells);
 
 /// Returns a GNSS position offset that is a sum of cosines; the axes are adjacent within each
 /// cosine.
-OwnEffect GnssByCosine(const Cosines& cosines);
+UserEffect GnssByCosine(const Cosines& cosines);
 
 }  // namespace dn::internal

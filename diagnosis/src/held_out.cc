@@ -26,7 +26,7 @@ double LogWeight(const Network& net, const FoldFactor& factor) {
 }
 
 /// Returns the most probable effects that the model lacks.
-std::vector<FoldDensity::Further> LikeliestFurther(const ExplainedFlight& explained) {
+std::vector<FoldDensity::Further> LikeliestFurther(const ExtendedFit& explained) {
   std::vector<FoldDensity::Further> further;
   const Library& library = explained.screen->library();
   for (const ScreenedEffect& effect : explained.screen->Effects()) {
@@ -63,11 +63,11 @@ struct CommonFold {
 };
 
 std::vector<CommonFold> CommonFolds(const FlightNetwork& without, const FlightNetwork& with,
-                                    int of_each_kind) {
+                                    int num_per_kind) {
   std::vector<CommonFold> common;
-  for (const Fold& fold : MakeFolds(without, of_each_kind)) {
-    const std::vector<FoldFactor> a = FactorsOf(fold, without);
-    const std::vector<FoldFactor> b = FactorsOf(fold, with);
+  for (const Fold& fold : MakeFolds(without, num_per_kind)) {
+    const std::vector<FoldFactor> a = FindFoldFactors(fold, without);
+    const std::vector<FoldFactor> b = FindFoldFactors(fold, with);
     CommonFold both;
     for (std::size_t k = 0; k < a.size(); ++k) {
       if (!Active(a[k], without.net) || !Active(b[k], with.net)) continue;
@@ -87,7 +87,7 @@ struct FoldLogDensities {
 
 HeldOutGains SumFolds(const std::vector<FoldLogDensities>& folds, std::size_t causes) {
   HeldOutGains gains;
-  gains.of_causes.resize(causes);
+  gains.cause_gains.resize(causes);
   Eigen::VectorXd further;
   for (const FoldLogDensities& fold : folds) {
     if (!fold.before || !fold.after) continue;
@@ -98,10 +98,10 @@ HeldOutGains SumFolds(const std::vector<FoldLogDensities>& folds, std::size_t ca
     for (std::size_t k = 0; k < causes; ++k) {
       if (!fold.but_one[k]) continue;
       const double gain = (*fold.after)[0] - (*fold.but_one[k])[0];
-      gains.of_causes[k] = gains.of_causes[k].value_or(0.0) + gain;
+      gains.cause_gains[k] = gains.cause_gains[k].value_or(0.0) + gain;
     }
   }
-  if (causes == 1 && gains.folds > 0) gains.of_causes[0] = gains.gain_nats;
+  if (causes == 1 && gains.folds > 0) gains.cause_gains[0] = gains.gain_nats;
   if (further.size() > 0) gains.further_nats = std::max(0.0, further.maxCoeff());
   return gains;
 }
@@ -122,7 +122,8 @@ std::optional<Eigen::VectorXd> FoldDensity::LogLikelihood(const Network& net) co
       const Further& effect = further_[k];
       const Eigen::MatrixXd A = ScoreEffects(marginals, {effect.model}, {}).A;
       const Eigen::VectorXd s = TransposeTimes(linearized, effect.model, r);
-      log_p[static_cast<Eigen::Index>(k) + 1] = EvidenceForm(A, effect.typical).LogEvidence(s);
+      log_p[static_cast<Eigen::Index>(k) + 1] =
+          SizeAveragedEvidence(A, effect.typical).LogEvidence(s);
     }
     return log_p;
   } catch (const RankDeficient&) {
@@ -147,11 +148,11 @@ std::optional<Eigen::VectorXd> FoldDensity::LogDensity(
   return log_p;
 }
 
-HeldOutGains MeasureHeldOut(const ExplainedFlight& without, const ExplainedFlight& with,
+HeldOutGains MeasureHeldOut(const ExtendedFit& without, const ExtendedFit& with,
                             const HeldOutOptions& options) {
   const FlightNetwork& network = with.solution->network();
   const std::vector<CommonFold> folds =
-      CommonFolds(without.solution->network(), network, options.of_each_kind);
+      CommonFolds(without.solution->network(), network, options.num_per_kind);
   std::vector<std::optional<Network>> but_one;
   for (const GapCause& cause : with.causes) but_one.push_back(WithoutCause(network, cause.effect));
   std::vector<std::optional<FoldDensity>> densities_but_one(but_one.size());

@@ -15,14 +15,14 @@ namespace dn::internal {
 struct HeldOutGains {
   double gain_nats = 0.0;  ///< with all causes, against none
   /// Gain of each cause given the others; nullopt if the network cannot be made without it.
-  std::vector<std::optional<double>> of_causes;
+  std::vector<std::optional<double>> cause_gains;
   /// Gain of the best effect that is not among the causes, given these causes.
   double further_nats = 0.0;
   int folds = 0;  ///< number of folds that both networks can predict
 };
 
 struct HeldOutOptions {
-  int of_each_kind = 6;  ///< number of folds
+  int num_per_kind = 6;  ///< number of folds
   int threads = 1;
   std::function<bool()> interrupted = {};
 };
@@ -38,9 +38,9 @@ struct HeldOutOptions {
 /// Windows, starts and sizes of processes are those of the whole flight.
 ///
 /// An effect k that the network lacks adds log BF_k of all data minus log BF_k of the data outside
-/// the fold (EvidenceForm). This averages over its size: M becomes M - M L (I / v + A)^-1 L^T M.
+/// the fold (SizeAveragedEvidence). This averages over its size: M becomes M - M L (I / v + A)^-1 L^T M.
 /// Measurements that either adjustment left out are in no fold. Throws Interrupted.
-HeldOutGains MeasureHeldOut(const ExplainedFlight& without, const ExplainedFlight& with,
+HeldOutGains MeasureHeldOut(const ExtendedFit& without, const ExtendedFit& with,
                             const HeldOutOptions& options);
 
 /// Log predictive density log p(y_B | y_-B) of factors of a network at its values, nats, and its

@@ -59,7 +59,7 @@ class NamingTrials {
         direction_(direction),
         threshold_nats_(threshold_nats) {
     rivals_.push_back({truth, screen.library().candidates[truth].name});
-    FindRivals();
+    FindCompetingEffects();
     Factor();
   }
 
@@ -88,9 +88,9 @@ class NamingTrials {
   }
 
   /// Finds the candidate of every other family that mimics the effect best.
-  void FindRivals() {
+  void FindCompetingEffects() {
     const Candidate& truth = FindCandidate(rivals_[0]);
-    const Eigen::MatrixXd A = InformationOf(truth, screen_.score());
+    const Eigen::MatrixXd A = CandidateInformation(truth, screen_.score());
     const double lambda = direction_.dot(A * direction_);
     for (const EffectFamily& family : screen_.families()) {
       if (family.name == rivals_[0].name) continue;
@@ -99,7 +99,7 @@ class NamingTrials {
       const std::size_t stride = std::max<std::size_t>(1, (family.past - family.first) / 40);
       for (std::size_t k = family.first; k < family.past; k += stride) {
         const Candidate& other = screen_.library().candidates[k];
-        const Eigen::VectorXd c = InformationOf(other, truth, screen_.score()) * direction_;
+        const Eigen::VectorXd c = CandidateInformation(other, truth, screen_.score()) * direction_;
         const double mimicked = mimicry_.Absorbed(k, c) / std::max(lambda, 1e-300);
         if (mimicked > most) {
           most = mimicked;
@@ -116,7 +116,7 @@ class NamingTrials {
     Eigen::Index n = 0;
     for (const Rival& rival : rivals_) {
       first_.push_back(n);
-      n += InformationOf(FindCandidate(rival), screen_.score()).rows();
+      n += CandidateInformation(FindCandidate(rival), screen_.score()).rows();
     }
     first_.push_back(n);
     Eigen::MatrixXd joint(n, n);
@@ -126,7 +126,8 @@ class NamingTrials {
           SignatureOf(FindCandidate(rivals_[a]), screen_.score());
       for (std::size_t b = 0; b < rivals_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
-            InformationOf(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]), screen_.score());
+            CandidateInformation(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]),
+                                 screen_.score());
       }
     }
     // An effect that is present enters the residuals with a negative sign: the score decreases.
@@ -160,8 +161,9 @@ class NamingTrials {
 Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
   Eigen::VectorXd sizes(A.rows());
   for (Eigen::Index k = 0; k < A.rows(); ++k) {
-    sizes[k] = A(k, k) > kAbsorbed * signature[k] ? RowTest().NonCentrality() / std::sqrt(A(k, k))
-                                                  : std::numeric_limits<double>::infinity();
+    sizes[k] = A(k, k) > kAbsorbed * signature[k]
+                   ? OutlierTest().NonCentrality() / std::sqrt(A(k, k))
+                   : std::numeric_limits<double>::infinity();
   }
   return sizes;
 }
@@ -173,16 +175,16 @@ Eigen::VectorXd BestDirection(const Candidate& candidate, const Eigen::MatrixXd&
   return candidate.typical.cwiseProduct(best);
 }
 
-HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
-                    double threshold_nats, std::uint64_t seed) {
+DetectionLimit Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
+                      double threshold_nats, std::uint64_t seed) {
   const std::size_t middle = family.first + (family.past - family.first) / 2;
   const Candidate& candidate = screen.library().candidates[middle];
-  const Eigen::MatrixXd A = InformationOf(candidate, screen.score());
+  const Eigen::MatrixXd A = CandidateInformation(candidate, screen.score());
   const Eigen::VectorXd direction = BestDirection(candidate, A);
   const double lambda = direction.dot(A * direction);
   const Eigen::VectorXd of_components = SignatureOf(candidate, screen.score());
   const double signature = of_components.dot(direction.cwiseAbs2());
-  HiddenEffect hidden;
+  DetectionLimit hidden;
   hidden.effect = candidate.name;
   hidden.unit = candidate.unit;
   // The size of an effect is that of its largest component.
@@ -190,10 +192,10 @@ HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& 
   hidden.detectable_by_component = candidate.per_si * DetectableAlone(A, of_components);
   hidden.minimal_detectable = std::numeric_limits<double>::infinity();
   if (lambda > kAbsorbed * signature) {
-    const double times = RowTest().NonCentrality() / std::sqrt(lambda);
+    const double times = OutlierTest().NonCentrality() / std::sqrt(lambda);
     hidden.minimal_detectable = times * unit;
     if (screen.score().shift.rows() == 3) {
-      hidden.boresight_damage_rad = times * ShiftOf(candidate, screen.score()) * direction;
+      hidden.boresight_shift_rad = times * CandidateShift(candidate, screen.score()) * direction;
     }
   }
   const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
@@ -221,9 +223,9 @@ HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& 
 
 }  // namespace
 
-std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
-                                        std::uint64_t seed) {
-  std::vector<HiddenEffect> hidden;
+std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double threshold_nats,
+                                                   std::uint64_t seed) {
+  std::vector<DetectionLimit> hidden;
   Mimicry mimicry(screen);
   for (const EffectFamily& family : screen.families()) {
     const bool process = screen.library().candidates[family.first].tau_s.has_value();
@@ -231,7 +233,7 @@ std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_n
     hidden.push_back(Limits(screen, &mimicry, family, threshold_nats, seed));
   }
   std::stable_sort(hidden.begin(), hidden.end(), [](const auto& a, const auto& b) {
-    return a.boresight_damage_rad.norm() > b.boresight_damage_rad.norm();
+    return a.boresight_shift_rad.norm() > b.boresight_shift_rad.norm();
   });
   return hidden;
 }

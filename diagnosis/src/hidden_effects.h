@@ -14,7 +14,7 @@ namespace dn::internal {
 /// best-determined direction (Baarda). The minimal identifiable size is named with probability 0.8
 /// when the effect competes with the whole library. Sizes up to 100 times the typical one are
 /// tried. Both depend on the geometry alone; no measured value is used.
-std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
-                                        std::uint64_t seed);
+std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double threshold_nats,
+                                                   std::uint64_t seed);
 
 }  // namespace dn::internal

@@ -14,26 +14,26 @@ namespace {
 using internal::List;
 using internal::Number;
 
-constexpr std::size_t kMostHidden = 5;
+constexpr std::size_t kMaxLimitsListed = 5;
 
-std::string HiddenLine(const HiddenEffect& effect, bool with_boresight) {
+std::string DetectionLimitLine(const DetectionLimit& effect, bool with_boresight) {
   std::string text =
       fmt::format("          {:<27} below {}", effect.effect, internal::DetectableWords(effect));
   if (effect.minimal_identifiable) {
     text += ", not identifiable below " + internal::Rounded(*effect.minimal_identifiable, 2);
   }
   if (with_boresight) {
-    text += ", boresight shift up to " + internal::MdegWords(effect.boresight_damage_rad);
+    text += ", boresight shift up to " + internal::MdegWords(effect.boresight_shift_rad);
   }
   return text + "\n";
 }
 
 }  // namespace
 
-Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects) {
+Json DetectionLimitsJson(const std::vector<DetectionLimit>& effects) {
   Json list = Json::array();
-  for (const HiddenEffect& effect : effects) {
-    const Eigen::Vector3d damage_mdeg = internal::kMdegPerRad * effect.boresight_damage_rad;
+  for (const DetectionLimit& effect : effects) {
+    const Eigen::Vector3d damage_mdeg = internal::kMdegPerRad * effect.boresight_shift_rad;
     list.push_back({{"effect", effect.effect},
                     {"minimal_detectable", Number(effect.minimal_detectable)},
                     {"detectable_by_component", List(effect.detectable_by_component)},
@@ -45,16 +45,17 @@ Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects) {
   return list;
 }
 
-std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight) {
+std::string DetectionLimitsSummary(const std::vector<DetectionLimit>& effects,
+                                   bool with_boresight) {
   if (effects.empty()) return "";
   std::vector<std::string> of_any_size;
   std::string bounded;
   std::size_t told = 0;
-  for (const HiddenEffect& effect : internal::MostHarmful(effects)) {
+  for (const DetectionLimit& effect : internal::MostHarmful(effects)) {
     if (!std::isfinite(effect.minimal_detectable)) {
       of_any_size.push_back(effect.effect);
-    } else if (told++ < kMostHidden) {
-      bounded += HiddenLine(effect, with_boresight);
+    } else if (told++ < kMaxLimitsListed) {
+      bounded += DetectionLimitLine(effect, with_boresight);
     }
   }
   const std::string text = "undetectable effects\n";
@@ -62,7 +63,7 @@ std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool 
   return text +
          fmt::format(
              "          {}",
-             Wrapped(fmt::format("at any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
+             WrapText(fmt::format("at any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
          bounded;
 }
 

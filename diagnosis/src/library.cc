@@ -46,7 +46,7 @@ class LibraryMaker {
 
   Library Run() {
     ListShapes();
-    std::vector<OwnEffect> own;
+    std::vector<UserEffect> own;
     for (const Shape& shape : shapes_) own.push_back(shape.effect);
     std::vector<CandidateEffect> found = CandidateEffects(network_, options_.threads, own);
     const auto first_own = found.end() - static_cast<std::ptrdiff_t>(own.size());
@@ -63,7 +63,7 @@ class LibraryMaker {
  private:
   /// Columns of an unmodelled discrepancy, and the function that makes candidates from them.
   struct Shape {
-    OwnEffect effect;
+    UserEffect effect;
     void (LibraryMaker::*add)(CandidateEffect shape);
   };
 
@@ -119,7 +119,7 @@ class LibraryMaker {
   }
 
   void AddGeneric(const CandidateEffect& shape, std::size_t block) {
-    library_.candidates.push_back(Nameless(shape.name, block, shape.typical));
+    library_.candidates.push_back(MakeDiscrepancy(shape.name, block, shape.typical));
   }
 
   void AddGnssCells(CandidateEffect shape) {
@@ -202,7 +202,7 @@ class LibraryMaker {
   void AddPeriods(const std::string& words, std::size_t block, const Cosines& cosines,
                   const Eigen::Vector3d& axes) {
     for (int k = 1; k + 1 < cosines.count; ++k) {
-      Candidate wave = Nameless(words, block, axes.replicate<2, 1>());
+      Candidate wave = MakeDiscrepancy(words, block, axes.replicate<2, 1>());
       wave.cells = CellRange{k, k + 2, 3, false};
       wave.period_s = 2.0 / (cosines.FrequencyHz(k) + cosines.FrequencyHz(k + 1));
       library_.candidates.push_back(std::move(wave));
@@ -235,8 +235,8 @@ class LibraryMaker {
   }
 
   void AddBias(FactorId id, const std::map<BlockId, double>& blocks, EffectModel* model) const {
-    if (!linearized_.RowsOf(id)) return;
-    const LinearizedNetwork::Factor factor = linearized_.FactorAt(id);
+    if (!linearized_.FindRows(id)) return;
+    const LinearizedNetwork::Factor factor = linearized_.EvaluateFactorAt(id);
     EffectPart part{id, Eigen::MatrixXd::Zero(factor.residual.size(), 3 * bias_cosines_.count)};
     for (const auto& [block, J] : factor.jacobian) {
       const auto at = blocks.find(block);
@@ -284,7 +284,8 @@ Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linea
   return LibraryMaker(network, linearized, options).Run();
 }
 
-Candidate Nameless(const std::string& name, std::size_t block, const Eigen::VectorXd& typical) {
+Candidate MakeDiscrepancy(const std::string& name, std::size_t block,
+                          const Eigen::VectorXd& typical) {
   Candidate candidate;
   candidate.name = name;
   candidate.block = block;
@@ -296,7 +297,7 @@ Candidate Nameless(const std::string& name, std::size_t block, const Eigen::Vect
 void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
                  const Eigen::VectorXd& typical, Library* library) {
   for (int k = 0; k < static_cast<int>(taus_s.size()); ++k) {
-    Candidate settling = Nameless(name, block, typical.segment<3>(3 * k));
+    Candidate settling = MakeDiscrepancy(name, block, typical.segment<3>(3 * k));
     settling.cells = CellRange{k, k + 1};
     settling.decay_s = taus_s[static_cast<std::size_t>(k)];
     library->candidates.push_back(std::move(settling));
@@ -322,16 +323,17 @@ EffectModel ModelOf(const Candidate& candidate, const Library& library) {
   return model;
 }
 
-Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
-                        const Eigen::VectorXd& s) {
+Eigen::VectorXd CandidateScore(const Candidate& candidate, const JointScore& score,
+                               const Eigen::VectorXd& s) {
   return CandidateRows(candidate, score, s);
 }
 
-Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score) {
-  return InformationOf(candidate, candidate, score);
+Eigen::MatrixXd CandidateInformation(const Candidate& candidate, const JointScore& score) {
+  return CandidateInformation(candidate, candidate, score);
 }
 
-Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score) {
+Eigen::MatrixXd CandidateInformation(const Candidate& a, const Candidate& b,
+                                     const JointScore& score) {
   // Only few columns of a are needed for a range of cells, so they are selected first.
   const Eigen::Index first = score.first[a.block];
   if (!a.cells) {
@@ -350,7 +352,7 @@ Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score)
   return CandidateRows(candidate, score, score.signature2);
 }
 
-Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score) {
+Eigen::MatrixXd CandidateShift(const Candidate& candidate, const JointScore& score) {
   return CandidateRows(candidate, score, score.shift.transpose()).transpose();
 }
 

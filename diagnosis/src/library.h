@@ -62,7 +62,8 @@ Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linea
                     const LibraryOptions& options);
 
 /// Returns an unmodelled discrepancy of all columns of a block.
-Candidate Nameless(const std::string& name, std::size_t block, const Eigen::VectorXd& typical);
+Candidate MakeDiscrepancy(const std::string& name, std::size_t block,
+                          const Eigen::VectorXd& typical);
 
 /// Adds a decaying discrepancy for each time constant of a BoresightSettling block.
 void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
@@ -72,15 +73,16 @@ void AddSettling(const std::string& name, std::size_t block, const std::vector<d
 EffectModel ModelOf(const Candidate& candidate, const Library& library);
 
 /// Returns the part of the joint score s that belongs to a candidate.
-Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
-                        const Eigen::VectorXd& s);
+Eigen::VectorXd CandidateScore(const Candidate& candidate, const JointScore& score,
+                               const Eigen::VectorXd& s);
 /// Returns the information matrix of a candidate.
-Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score);
+Eigen::MatrixXd CandidateInformation(const Candidate& candidate, const JointScore& score);
 /// Returns the cross information of two candidates.
-Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score);
+Eigen::MatrixXd CandidateInformation(const Candidate& a, const Candidate& b,
+                                     const JointScore& score);
 /// Returns the diagonal of L^T L of a candidate's columns L.
 Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score);
 /// Returns the shift of the watched unknowns per unit of each component.
-Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score);
+Eigen::MatrixXd CandidateShift(const Candidate& candidate, const JointScore& score);
 
 }  // namespace dn::internal

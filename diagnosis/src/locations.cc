@@ -78,7 +78,7 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
   }
   AddPairs(network, linearized);
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    const auto rows = linearized.RowsOf(edge.position);
+    const auto rows = linearized.FindRows(edge.position);
     if (!rows) continue;
     const Flight& flight = network.flight();
     const Eigen::Vector3d sigma_m =
@@ -158,7 +158,7 @@ void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& 
   }
   const std::vector<StripInterval> strips = FindStrips(network.flight());
   for (const auto& edge : network.pair_edges) {
-    const auto rows = linearized.RowsOf(edge.id);
+    const auto rows = linearized.FindRows(edge.id);
     if (!rows || rows->count != 3) continue;
     const int bin =
         std::clamp(static_cast<int>((ScanAngle(lidar, edge.pair.u_i_s) / most_rad + 1.0) * 0.5 *

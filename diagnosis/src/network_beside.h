@@ -8,6 +8,6 @@ namespace dn::internal {
 /// configuration. The network is not solved. Its values are the trajectory, calibration and mean
 /// biases of `solved`, and it uses the same pairs and GNSS epochs. One least-squares step suffices
 /// if the solution hardly changes. `flight` must outlive the result. Throws as Build.
-FlightNetwork NetworkBeside(const FlightNetwork& solved, const Flight& flight, int threads);
+FlightNetwork BuildChangedNetwork(const FlightNetwork& solved, const Flight& flight, int threads);
 
 }  // namespace dn::internal

@@ -37,7 +37,7 @@ double PartSeen(double largest_m, double mean_m) {
 
 ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
                              const std::vector<double>& lengths_m) {
-  ScreenedEffect effect = Unscreened(id);
+  ScreenedEffect effect = MakeUnscreened(id);
   effect.log_evidence = Evidence(found, of_all, usual);
   effect.p_value = std::min(1.0, std::exp(-effect.log_evidence));
   double largest_m = 0.0, sum_m = 0.0;
@@ -57,7 +57,7 @@ ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
   return effect;
 }
 
-double VarianceOfShortOnes(double share, double size_m, double sigma_m, double norm) {
+double ShortOutlierVariance(double share, double size_m, double sigma_m, double norm) {
   if (!(size_m > 0.0)) return 0.0;
   const double size = size_m / sigma_m, longest = std::min(norm, size);
   return share * longest / size * longest * longest / 9.0;

@@ -22,6 +22,6 @@ ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
 /// remain:
 ///
 ///   share * c / size * c^2 / 3 / 3 / sigma^2.
-double VarianceOfShortOnes(double share, double size_m, double sigma_m, double norm);
+double ShortOutlierVariance(double share, double size_m, double sigma_m, double norm);
 
 }  // namespace dn::internal

@@ -1,8 +1,8 @@
 #include "processes.h"
 
+#include <dn/diagnosis/adapt.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/diagnosis/adapt.h>
 #include <dn/log_sum.h>
 #include <dn/size_prior.h>
 #include <dn/solvers/restricted_likelihood.h>
@@ -56,7 +56,7 @@ Eigen::VectorXd ChainRows(const FlightNetwork& network, const LinearizedNetwork&
 /// A process with one time constant, evaluated over all its sizes.
 struct JudgedProcess {
   double tau_s = 0.0;
-  SizeAtTau likeliest;
+  LikelySize likeliest;
   double log_evidence = 0.0;
 };
 
@@ -84,14 +84,14 @@ class SizeLikelihood {
 };
 
 /// Returns the most probable size. `first` are the logarithms to start with.
-SizeAtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& first) {
+LikelySize LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& first) {
   const auto values = [&](const std::vector<double>& log_sizes) { return likelihood(log_sizes); };
   if (const auto peak = FindPeak(values, first, -kMostLogSize, kMostLogSize)) {
     return {std::exp(peak->log_size), peak->width, peak->value};
   }
   const std::vector<double> l = likelihood(first);
   const auto best = static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
-  SizeAtTau at;
+  LikelySize at;
   at.size = std::exp(first[best]);
   at.log_likelihood = l[best];
   return at;
@@ -100,8 +100,8 @@ SizeAtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& f
 JudgedProcess Judge(SizeLikelihood& likelihood) {
   constexpr double kStep = 0.5 * std::numbers::ln10;  // between the logarithms of two sizes
   std::vector<double> log_sizes;
-  for (const double size : SizePrior::kTimesUsual) log_sizes.push_back(std::log(size));
-  const SizeAtTau at = LikeliestSize(likelihood, log_sizes);
+  for (const double size : SizePrior::kTimesTypical) log_sizes.push_back(std::log(size));
+  const LikelySize at = LikeliestSize(likelihood, log_sizes);
   const std::vector<double> l = likelihood(log_sizes);
   double sum = 0.0;
   for (std::size_t g = 0; g < l.size(); ++g) {
@@ -135,7 +135,7 @@ class Trial {
     Flight with = solved_.flight();
     with.config = Adapted(solved_.flight(), {process});
     try {
-      SizeLikelihood likelihood(NetworkBeside(solved_, with, threads_), effect_, threads_);
+      SizeLikelihood likelihood(BuildChangedNetwork(solved_, with, threads_), effect_, threads_);
       return judge(likelihood);
     } catch (const InvalidInput&) {
       return std::nullopt;
@@ -158,15 +158,15 @@ void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
   for (Eigen::Index k = 0; k < last; ++k) {
     const double typical = spec.components[static_cast<std::size_t>(k)].typical_si();
     effect->estimate[k] = process.size * typical;
-    effect->sigma[k] = process.sigma_of_size * typical;
+    effect->sigma[k] = process.size_sigma * typical;
   }
   effect->estimate[last] = process.tau_s;
-  effect->sigma[last] = process.sigma_of_tau_s;
+  effect->sigma[last] = process.tau_sigma_s;
 }
 
 }  // namespace
 
-void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
+void EvaluateProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
   const Trial trial(solved, threads, *effect->id, 1.0);
   std::vector<JudgedProcess> all;
   for (const double tau_s : kProcessTausS) {
@@ -183,7 +183,7 @@ void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effe
       *std::max_element(all.begin(), all.end(), [](const JudgedProcess& a, const JudgedProcess& b) {
         return a.log_evidence < b.log_evidence;
       });
-  const SizeAtTau& size = best.likeliest;
+  const LikelySize& size = best.likeliest;
   Take({size.size, size.size * size.relative_sigma, best.tau_s,
         std::numeric_limits<double>::quiet_NaN()},
        effect);
@@ -196,7 +196,7 @@ void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* eff
   const Trial trial(solved, threads, *effect->id, scale);
   const auto sizes = [&](double tau_s) {
     return trial.At(tau_s, [scale](SizeLikelihood& likelihood) {
-      SizeAtTau at = LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
+      LikelySize at = LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
       at.size *= scale;
       return at;
     });

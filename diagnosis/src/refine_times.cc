@@ -81,7 +81,7 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
   const FineCells fine =
       start ? AroundStart(*effect->times.t0_s, reach_s, network.node_times().front())
             : AroundWindow(*effect->times.window_s, reach_s);
-  const OwnEffect own = start ? BoresightByCell(fine.cells) : GnssByCell(fine.cells);
+  const UserEffect own = start ? BoresightByCell(fine.cells) : GnssByCell(fine.cells);
   std::vector<CandidateEffect> found = CandidateEffects(network, threads, {own});
   if (found.empty() || found.back().model.empty()) return;
   const std::vector<BlockId> watched = start || !network.pair_edges.empty()
@@ -97,15 +97,16 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
                                             fine.cells.start_s[last]};
     if (!start && EpochsWithin(network, range_s) < kFewestEpochs) continue;
     candidate.cells = CellRange{first, past};
-    const Eigen::MatrixXd A = InformationOf(candidate, score);
-    const Eigen::VectorXd s = ScoreOf(candidate, score, score.s);
-    const double evidence = EvidenceForm(A, candidate.typical).LogEvidence(s);
+    const Eigen::MatrixXd A = CandidateInformation(candidate, score);
+    const Eigen::VectorXd s = CandidateScore(candidate, score, score.s);
+    const double evidence = SizeAveragedEvidence(A, candidate.typical).LogEvidence(s);
     if (evidence <= best) continue;
     best = evidence;
     const ScoreTest test = TestScore(s, A, SignatureOf(candidate, score));
     effect->estimate = test.estimate;
     effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    if (score.shift.rows() == 3) effect->boresight_rad = ShiftOf(candidate, score) * test.estimate;
+    if (score.shift.rows() == 3)
+      effect->boresight_rad = CandidateShift(candidate, score) * test.estimate;
     if (start) {
       effect->times.t0_s = range_s.first;
     } else {

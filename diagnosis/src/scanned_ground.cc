@@ -95,7 +95,7 @@ double Extent(const std::vector<Vector3d>& points_m) {
 
 }  // namespace
 
-LidarScenario ScannerOf(const Flight& flight, const Mounting& mounting) {
+LidarScenario EstimateScanner(const Flight& flight, const Mounting& mounting) {
   const LidarConfig& config = *flight.config.lidar;
   LidarScenario lidar;
   lidar.mounting = mounting;
@@ -112,9 +112,9 @@ LidarScenario ScannerOf(const Flight& flight, const Mounting& mounting) {
   return lidar;
 }
 
-TerrainScenario GroundOf(const Flight& flight, const Trajectory& trajectory,
-                         const Mounting& mounting, const std::vector<StripInterval>& strips) {
-  const std::vector<MapPose> poses = trajectory.InMap(flight.frame);
+TerrainScenario EstimateGround(const Flight& flight, const Trajectory& trajectory,
+                               const Mounting& mounting, const std::vector<StripInterval>& strips) {
+  const std::vector<MapPose> poses = trajectory.ToMapPoses(flight.frame);
   const std::vector<Vector3d> points_m = GroundPoints(flight, poses, mounting);
   TerrainScenario ground;
   ground.kind = TerrainKind::kFlat;

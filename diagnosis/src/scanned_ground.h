@@ -7,10 +7,10 @@ namespace dn {
 
 /// Returns a scanner with the given mounting. Its pattern and field of view are estimated from the
 /// scan angles of the flight's pairs.
-LidarScenario ScannerOf(const Flight& flight, const Mounting& mounting);
+LidarScenario EstimateScanner(const Flight& flight, const Mounting& mounting);
 
 /// Returns ground with the height and roughness of the georeferenced pairs, below every strip.
-TerrainScenario GroundOf(const Flight& flight, const Trajectory& trajectory,
-                         const Mounting& mounting, const std::vector<StripInterval>& strips);
+TerrainScenario EstimateGround(const Flight& flight, const Trajectory& trajectory,
+                               const Mounting& mounting, const std::vector<StripInterval>& strips);
 
 }  // namespace dn

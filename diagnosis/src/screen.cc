@@ -34,7 +34,7 @@ Screen::Screen(Library library, JointScore score)
 void Screen::MakeForms() {
   for (std::size_t k = 0; k < library_.candidates.size(); ++k) {
     const Candidate& candidate = library_.candidates[k];
-    forms_.emplace_back(InformationOf(candidate, score_), candidate.typical);
+    forms_.emplace_back(CandidateInformation(candidate, score_), candidate.typical);
     if (families_.empty() || families_.back().name != candidate.name) {
       families_.push_back({candidate.name, candidate.id, k, k});
     }
@@ -53,7 +53,7 @@ Eigen::MatrixXd Screen::Scores(const LinearizedNetwork& linearized,
 }
 
 double Screen::LogEvidence(std::size_t candidate, const Eigen::VectorXd& s) const {
-  return forms_[candidate].LogEvidence(ScoreOf(library_.candidates[candidate], score_, s));
+  return forms_[candidate].LogEvidence(CandidateScore(library_.candidates[candidate], score_, s));
 }
 
 double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const {
@@ -64,7 +64,8 @@ double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s)
 
 ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
   const Candidate& of = library_.candidates[candidate];
-  return TestScore(ScoreOf(of, score_, s), InformationOf(of, score_), SignatureOf(of, score_));
+  return TestScore(CandidateScore(of, score_, s), CandidateInformation(of, score_),
+                   SignatureOf(of, score_));
 }
 
 std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
@@ -85,7 +86,7 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
   effect.name = family.name;
   effect.id = family.id;
   LogSum sum;
-  double best = kNever;
+  double best = kLogZero;
   for (std::size_t k = family.first; k < family.past; ++k) {
     const double one = LogEvidence(k, score_.s);
     sum.Add(one);
@@ -107,7 +108,7 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
   if (!candidate.tau_s) effect.statistic = test.statistic;
   const Eigen::VectorXd signature = SignatureOf(candidate, score_);
   const Eigen::VectorXd weight = candidate.typical.cwiseAbs2();
-  effect.absorbed = 1.0 - InformationOf(candidate, score_).diagonal().dot(weight) /
+  effect.absorbed = 1.0 - CandidateInformation(candidate, score_).diagonal().dot(weight) /
                               std::max(1e-300, signature.dot(weight));
   if (candidate.tau_s) {
     DescribeProcess(candidate, effect.candidate, &effect);
@@ -123,7 +124,7 @@ void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
   effect->estimate = test.estimate;
   effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   if (score_.shift.rows() == 3) {
-    effect->boresight_rad = ShiftOf(candidate, score_) * test.estimate;
+    effect->boresight_rad = CandidateShift(candidate, score_) * test.estimate;
   }
 }
 
@@ -131,7 +132,7 @@ void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
 // evidence.
 void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
                              ScreenedEffect* effect) const {
-  const Eigen::VectorXd s = ScoreOf(candidate, score_, score_.s);
+  const Eigen::VectorXd s = CandidateScore(candidate, score_, score_.s);
   double best = -std::numeric_limits<double>::infinity(), variance = 1.0;
   for (int step = -40; step <= 40; ++step) {
     const double v = std::pow(10.0, 0.1 * step);
@@ -159,7 +160,7 @@ void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
   effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
 }
 
-ScreenedEffect Unscreened(EffectId id) {
+ScreenedEffect MakeUnscreened(EffectId id) {
   ScreenedEffect effect;
   effect.name = EffectName(id);
   effect.id = id;
@@ -178,7 +179,7 @@ GapCause ToCause(const ScreenedEffect& effect) {
   cause.log_evidence = effect.log_evidence;
   cause.p_value = effect.p_value;
   cause.absorbed_fraction = effect.absorbed;
-  cause.boresight_damage_rad = effect.boresight_rad;
+  cause.boresight_shift_rad = effect.boresight_rad;
   cause.estimate = effect.estimate;
   cause.sigma = effect.sigma;
   const EffectSpec* spec = FindEffect(effect.name);

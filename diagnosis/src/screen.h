@@ -36,7 +36,7 @@ struct ScreenedEffect {
 };
 
 /// Returns an effect of the table without any evidence.
-ScreenedEffect Unscreened(EffectId id);
+ScreenedEffect MakeUnscreened(EffectId id);
 
 /// Sorts effects by evidence, most probable first.
 void SortByEvidence(std::vector<ScreenedEffect>* effects);
@@ -75,7 +75,7 @@ class Screen {
   std::vector<ScreenedEffect> EffectsInOrder() const;
 
   /// Returns the evidence of a candidate as a function of its own scores.
-  const EvidenceForm& form(std::size_t candidate) const { return forms_[candidate]; }
+  const SizeAveragedEvidence& form(std::size_t candidate) const { return forms_[candidate]; }
 
   /// Tests one candidate for the scores s.
   ScoreTest Test(std::size_t candidate, const Eigen::VectorXd& s) const;
@@ -89,7 +89,7 @@ class Screen {
 
   Library library_;
   JointScore score_;
-  std::vector<EvidenceForm> forms_;  // one per candidate
+  std::vector<SizeAveragedEvidence> forms_;  // one per candidate
   std::vector<EffectFamily> families_;
 };
 

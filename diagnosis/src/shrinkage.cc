@@ -16,7 +16,7 @@ GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after) {
   const double excess = std::max(before.test.omnibus - before.test.omnibus_mean, 1e-9) + outside;
   const double left = after.test.omnibus - after.test.omnibus_mean + 2.0 * after.outside_nats;
   std::vector<double> off;
-  for (const double twin : after.test.omnibus_of_twins) {
+  for (const double twin : after.test.omnibus_of_replicates) {
     off.push_back(twin - after.test.omnibus_mean);
   }
   std::sort(off.begin(), off.end());

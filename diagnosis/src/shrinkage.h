@@ -9,7 +9,7 @@ namespace dn::internal {
 /// A flight compared with its replicates, and the log evidence of raw inertial noise and outliers,
 /// which the replicates do not contain.
 struct Departure {
-  const TwinTest& test;
+  const ReplicateTest& test;
   double outside_nats = 0.0;
 };
 

@@ -15,8 +15,8 @@ Adjustment AdjustWithAllData(const Flight& flight, const GapOptions& options) {
   adjust.threads = options.threads;
   adjust.interrupted = options.interrupted;
   adjust.stages = DefaultStages(adjust.with_pairs);
-  adjust.stages.erase(StageNamed("GNSS screening", &adjust.stages));
-  if (adjust.with_pairs) adjust.stages.erase(StageNamed("pair rejection", &adjust.stages));
+  adjust.stages.erase(FindStage("GNSS screening", &adjust.stages));
+  if (adjust.with_pairs) adjust.stages.erase(FindStage("pair rejection", &adjust.stages));
   return Adjust(flight, adjust);
 }
 

@@ -57,22 +57,22 @@ bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-double ProbabilityIn(const Slot& slot, const std::string& name) {
-  for (std::size_t k = 0; k < slot.rivals.size(); ++k) {
-    if (slot.rivals[k].name == name) return slot.posterior[k];
+double ProbabilityIn(const CompetingHypotheses& slot, const std::string& name) {
+  for (std::size_t k = 0; k < slot.competing_effects.size(); ++k) {
+    if (slot.competing_effects[k].name == name) return slot.posterior[k];
   }
   return 0.0;
 }
 
-double ProbabilityInAny(const std::vector<Slot>& slots, const std::string& name) {
+double ProbabilityInAny(const std::vector<CompetingHypotheses>& slots, const std::string& name) {
   double absent = 1.0;
-  for (const Slot& slot : slots) absent *= 1.0 - ProbabilityIn(slot, name);
+  for (const CompetingHypotheses& slot : slots) absent *= 1.0 - ProbabilityIn(slot, name);
   return 1.0 - absent;
 }
 
-void TakeSlot(const Slot& slot, GapCause* cause) {
+void TakeHypotheses(const CompetingHypotheses& slot, GapCause* cause) {
   cause->posterior = ProbabilityIn(slot, cause->effect);
-  const double log_evidence = EvidenceOf(slot.rivals, cause->effect);
+  const double log_evidence = FindEvidence(slot.competing_effects, cause->effect);
   if (std::isfinite(log_evidence)) cause->log_evidence = log_evidence;
   for (const std::string& name : slot.credible_set) {
     if (name != cause->effect) cause->inseparable_from.push_back(name);
@@ -81,20 +81,21 @@ void TakeSlot(const Slot& slot, GapCause* cause) {
 
 /// Returns whether an unmodelled discrepancy is the more probable explanation. It must also fit the
 /// data as well as the effect does; a more suitable typical size is not enough.
-bool Doubtful(const Slot& slot) {
-  if (slot.generic_posterior <= kWithoutName) return false;
-  const auto own = std::find_if(slot.rivals.begin(), slot.rivals.end(),
+bool Doubtful(const CompetingHypotheses& slot) {
+  if (slot.discrepancy_posterior <= kWithoutName) return false;
+  const auto own = std::find_if(slot.competing_effects.begin(), slot.competing_effects.end(),
                                 [&](const auto& rival) { return rival.name == slot.effect; });
-  const auto generic =
-      std::max_element(slot.rivals.begin(), slot.rivals.end(), [](const auto& a, const auto& b) {
+  const auto generic = std::max_element(
+      slot.competing_effects.begin(), slot.competing_effects.end(),
+      [](const auto& a, const auto& b) {
         return a.physical() != b.physical() ? a.physical() : a.log_evidence < b.log_evidence;
       });
-  return own == slot.rivals.end() || generic->statistic >= own->statistic;
+  return own == slot.competing_effects.end() || generic->statistic >= own->statistic;
 }
 
-std::vector<std::string> CredibleInAny(const std::vector<Slot>& slots) {
+std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& slots) {
   std::vector<std::string> names;
-  for (const Slot& slot : slots) {
+  for (const CompetingHypotheses& slot : slots) {
     for (const std::string& name : slot.credible_set) {
       if (!Has(names, name)) names.push_back(name);
     }
@@ -120,14 +121,15 @@ std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects) {
   return posterior;
 }
 
-Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals) {
-  Slot slot;
+CompetingHypotheses MakeCompetingHypotheses(const std::string& effect,
+                                            const std::vector<ScreenedEffect>& competing_effects) {
+  CompetingHypotheses slot;
   slot.effect = effect;
-  slot.rivals = rivals;
-  slot.posterior = Posterior(rivals);
-  slot.credible_set = CredibleSet(rivals, slot.posterior);
-  for (std::size_t k = 0; k < rivals.size(); ++k) {
-    if (!rivals[k].physical()) slot.generic_posterior += slot.posterior[k];
+  slot.competing_effects = competing_effects;
+  slot.posterior = Posterior(competing_effects);
+  slot.credible_set = CredibleSet(competing_effects, slot.posterior);
+  for (std::size_t k = 0; k < competing_effects.size(); ++k) {
+    if (!competing_effects[k].physical()) slot.discrepancy_posterior += slot.posterior[k];
   }
   return slot;
 }
@@ -139,12 +141,12 @@ const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std
   return nullptr;
 }
 
-double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name) {
+double FindEvidence(const std::vector<ScreenedEffect>& effects, const std::string& name) {
   const ScreenedEffect* effect = Find(effects, name);
   return effect == nullptr ? -std::numeric_limits<double>::infinity() : effect->log_evidence;
 }
 
-const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {
+const ScreenedEffect* BestDiscrepancy(const std::vector<ScreenedEffect>& effects) {
   const ScreenedEffect* best = nullptr;
   for (const ScreenedEffect& effect : effects) {
     if (effect.physical()) continue;
@@ -153,8 +155,8 @@ const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {
   return best;
 }
 
-double GenericEvidence(const std::vector<ScreenedEffect>& effects) {
-  const ScreenedEffect* best = BestGeneric(effects);
+double DiscrepancyEvidence(const std::vector<ScreenedEffect>& effects) {
+  const ScreenedEffect* best = BestDiscrepancy(effects);
   return best == nullptr ? 0.0 : std::max(0.0, best->log_evidence);
 }
 
@@ -165,12 +167,13 @@ const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects) {
   return nullptr;
 }
 
-void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<Slot>& slots,
-                const std::vector<GapCause>& named, GapDiagnosis* diagnosis) {
+void FillCauses(const std::vector<ScreenedEffect>& screened,
+                const std::vector<CompetingHypotheses>& slots, const std::vector<GapCause>& named,
+                GapDiagnosis* diagnosis) {
   for (const GapCause& cause : named) {
     diagnosis->causes.push_back(cause);
-    for (const Slot& slot : slots) {
-      if (slot.effect == cause.effect) TakeSlot(slot, &diagnosis->causes.back());
+    for (const CompetingHypotheses& slot : slots) {
+      if (slot.effect == cause.effect) TakeHypotheses(slot, &diagnosis->causes.back());
     }
   }
   for (const ScreenedEffect& effect : screened) {
@@ -189,7 +192,7 @@ void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<S
   }
 }
 
-void AllowForOutsiders(const GapVerdict& verdict, std::vector<GapCause>* causes) {
+void ScaleToObservedRates(const GapVerdict& verdict, std::vector<GapCause>* causes) {
   const bool something = verdict.unknown || !verdict.effects.empty();
   if (!something) return;
   const double share = verdict.unknown ? kBorneOutBesideUnknown : kBorneOut;
@@ -197,7 +200,7 @@ void AllowForOutsiders(const GapVerdict& verdict, std::vector<GapCause>* causes)
 }
 
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
-                  const std::vector<Slot>& slots) {
+                  const std::vector<CompetingHypotheses>& slots) {
   GapVerdict verdict;
   if (!decision.detected) return verdict;
   const bool doubtful = std::any_of(slots.begin(), slots.end(), Doubtful);
@@ -209,10 +212,11 @@ GapVerdict Decide(const Decision& decision, const std::vector<std::string>& name
   }
   verdict.effects = named;
   verdict.credible_set = CredibleInAny(slots);
-  const bool group = std::any_of(slots.begin(), slots.end(),
-                                 [](const Slot& slot) { return slot.credible_set.size() > 1; });
+  const bool group = std::any_of(slots.begin(), slots.end(), [](const CompetingHypotheses& slot) {
+    return slot.credible_set.size() > 1;
+  });
   verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
-  if (decision.something_left || doubtful) {
+  if (decision.gap_remains || doubtful) {
     verdict.kind = GapVerdictKind::kPartial;
     verdict.unknown = true;
   }

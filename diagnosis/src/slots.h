@@ -10,17 +10,18 @@
 namespace dn::internal {
 
 /// A cause of the verdict and its competing hypotheses, given all other causes.
-struct Slot {
+struct CompetingHypotheses {
   std::string effect;  ///< empty: there is no cause
   /// Effects of the screen without the cause; the cause is one of them.
-  std::vector<ScreenedEffect> rivals;
+  std::vector<ScreenedEffect> competing_effects;
   std::vector<double> posterior;          ///< one per rival
   std::vector<std::string> credible_set;  ///< 95 %, effects of the table
-  double generic_posterior = 0.0;         ///< total of the unmodelled discrepancies
+  double discrepancy_posterior = 0.0;     ///< total of the unmodelled discrepancies
 };
 
 /// Makes the competing hypotheses of a cause, which is one of the rivals.
-Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals);
+CompetingHypotheses MakeCompetingHypotheses(const std::string& effect,
+                                            const std::vector<ScreenedEffect>& competing_effects);
 
 /// Returns the posterior probability of each effect; the rest belongs to "no effect". See
 /// docs/guides/gap.md.
@@ -29,11 +30,11 @@ std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
 /// Returns the effect with a name; null if it is not in the list.
 const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name);
 /// Returns the evidence of an effect; minus infinity if it is not in the list.
-double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name);
+double FindEvidence(const std::vector<ScreenedEffect>& effects, const std::string& name);
 /// Returns the most probable unmodelled discrepancy; null if there are none.
-const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects);
+const ScreenedEffect* BestDiscrepancy(const std::vector<ScreenedEffect>& effects);
 /// Returns the largest evidence of an unmodelled discrepancy, at least 0.
-double GenericEvidence(const std::vector<ScreenedEffect>& effects);
+double DiscrepancyEvidence(const std::vector<ScreenedEffect>& effects);
 /// Returns the most probable effect of the table, from effects sorted by evidence; null if there
 /// are none.
 const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
@@ -41,25 +42,26 @@ const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
 /// Adds the causes and discrepancies to a diagnosis: every effect of a screen, with its probability
 /// over all slots. The causes `named` come first, with the probability and the rivals of their
 /// slots.
-void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<Slot>& slots,
-                const std::vector<GapCause>& named, GapDiagnosis* diagnosis);
+void FillCauses(const std::vector<ScreenedEffect>& screened,
+                const std::vector<CompetingHypotheses>& slots, const std::vector<GapCause>& named,
+                GapDiagnosis* diagnosis);
 
 /// Scales the probabilities of causes to the observed rate of correct names. Physics outside the
 /// library looks like its nearest effect, whatever the evidence, and more often so if a part of the
 /// gap remains unexplained.
-void AllowForOutsiders(const GapVerdict& verdict, std::vector<GapCause>* causes);
+void ScaleToObservedRates(const GapVerdict& verdict, std::vector<GapCause>* causes);
 
 /// Facts that decide the kind of a verdict.
 struct Decision {
   bool detected = false;
   bool discrepancy_is_better = false;  ///< than the named effects
-  bool something_left = false;         ///< a part of the gap that the named effects do not explain
+  bool gap_remains = false;            ///< a part of the gap that the named effects do not explain
 };
 
 /// Returns the verdict on the named effects, given their competing hypotheses. Names no effect if
 /// an unmodelled discrepancy is more probable than all names together and fits the data as well as
 /// they do.
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
-                  const std::vector<Slot>& slots);
+                  const std::vector<CompetingHypotheses>& slots);
 
 }  // namespace dn::internal

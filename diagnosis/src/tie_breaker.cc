@@ -1,8 +1,8 @@
 #include "tie_breaker.h"
 
+#include <dn/diagnosis/twin.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/diagnosis/twin.h>
 #include <dn/geo/nearest_pose.h>
 #include <dn/interrupted.h>
 #include <dn/parallel.h>
@@ -51,7 +51,7 @@ const Candidate* CandidateForEffect(const Screen& screen, const std::string& eff
 
 /// Returns the strips of the flight as planned lines.
 std::vector<PlannedLine> PlannedStripLines(const Flight& flight, const Trajectory& estimated) {
-  const std::vector<MapPose> poses = estimated.InMap(flight.frame);
+  const std::vector<MapPose> poses = estimated.ToMapPoses(flight.frame);
   std::vector<PlannedLine> lines;
   for (const StripInterval& strip : FindStrips(flight)) {
     const Eigen::Vector3d start_m = NearestPose(poses, strip.t0_s).p_mb;
@@ -69,7 +69,7 @@ std::vector<PlannedLine> PlannedStripLines(const Flight& flight, const Trajector
 
 /// Returns the rms attitude motion on the strips relative to straight flight.
 TurbulenceScenario AttitudeMotion(const Flight& flight, const Trajectory& estimated) {
-  const std::vector<MapPose> poses = estimated.InMap(flight.frame);
+  const std::vector<MapPose> poses = estimated.ToMapPoses(flight.frame);
   Eigen::Vector3d sum2 = Eigen::Vector3d::Zero();
   long n = 0;
   for (const StripInterval& strip : FindStrips(flight)) {
@@ -95,7 +95,7 @@ TurbulenceScenario AttitudeMotion(const Flight& flight, const Trajectory& estima
 
 Scenario MakePlan(const Flight& flight, const Trajectory& estimated,
                   const Eigen::Vector3d& boresight_rad) {
-  Scenario scenario = TwinScenario(flight, estimated, {}, boresight_rad);
+  Scenario scenario = MakeReplicateScenario(flight, estimated, {}, boresight_rad);
   scenario.plan.replay.reset();
   scenario.plan.strips.clear();
   scenario.plan.lines = PlannedStripLines(flight, estimated);
@@ -139,17 +139,17 @@ std::vector<double> ComputeSeparations(const Scenario& scenario, const Flight& f
   SimulateOptions simulate;
   simulate.noise = false;
   GapOptions alone;
-  alone.effects = tie.rivals;
+  alone.effects = tie.competing_effects;
   alone.effects.push_back(tie.named.effect);
   alone.threads = 1;
   try {
     if (options.interrupted && options.interrupted()) throw Interrupted();
     Flight planned = Simulate(scenario, simulate).flight;
-    AssumeAs(flight.config, &planned.config);
+    CopyAssumptions(flight.config, &planned.config);
     planned.config.imu->model.vibration.clear();  // its windows are those of the flight
-    const Screen screen = ScreenOfDesign(planned, alone);
+    const Screen screen = ScreenDesign(planned, alone);
     std::vector<double> separations;
-    for (const std::string& rival : tie.rivals) {
+    for (const std::string& rival : tie.competing_effects) {
       separations.push_back(Separation(screen, tie.named, rival));
     }
     return separations;
@@ -163,7 +163,7 @@ std::vector<double> ComputeSeparations(const Scenario& scenario, const Flight& f
 std::vector<std::string> SeparatedRivals(const Tie& tie, const std::vector<double>& separations) {
   std::vector<std::string> separated;
   for (std::size_t k = 0; k < separations.size(); ++k) {
-    if (separations[k] > kSeparated) separated.push_back(tie.rivals[k]);
+    if (separations[k] > kSeparated) separated.push_back(tie.competing_effects[k]);
   }
   return separated;
 }
@@ -174,7 +174,7 @@ double Least(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<Tie> TiesOf(const GapDiagnosis& diagnosis) {
+std::vector<Tie> FindTies(const GapDiagnosis& diagnosis) {
   std::vector<Tie> ties;
   for (const std::string& effect : diagnosis.verdict.effects) {
     const GapCause* named = Find(diagnosis, effect);
@@ -182,9 +182,9 @@ std::vector<Tie> TiesOf(const GapDiagnosis& diagnosis) {
     Tie tie{*named, {}};
     for (const std::string& rival : named->inseparable_from) {
       const GapCause* other = Find(diagnosis, rival);
-      if (other != nullptr && IsConstantEffect(*other)) tie.rivals.push_back(rival);
+      if (other != nullptr && IsConstantEffect(*other)) tie.competing_effects.push_back(rival);
     }
-    if (!tie.rivals.empty()) ties.push_back(std::move(tie));
+    if (!tie.competing_effects.empty()) ties.push_back(std::move(tie));
   }
   return ties;
 }
@@ -195,16 +195,16 @@ double Separation(const Screen& screen, const GapCause& named, const std::string
   if (of_named == nullptr || of_rival == nullptr) return std::numeric_limits<double>::infinity();
   const JointScore& score = screen.score();
   const Eigen::VectorXd size = named.estimate / of_named->per_si;
-  const double alone = size.dot(InformationOf(*of_named, score) * size);
-  const Eigen::VectorXd shared = InformationOf(*of_rival, *of_named, score) * size;
+  const double alone = size.dot(CandidateInformation(*of_named, score) * size);
+  const Eigen::VectorXd shared = CandidateInformation(*of_rival, *of_named, score) * size;
   const ScoreTest taken_up =
-      TestScore(shared, InformationOf(*of_rival, score), SignatureOf(*of_rival, score));
+      TestScore(shared, CandidateInformation(*of_rival, score), SignatureOf(*of_rival, score));
   return alone - taken_up.statistic;
 }
 
-std::string TieBreaker(const Flight& flight, const Trajectory& estimated,
-                       const Eigen::Vector3d& boresight_rad, const Tie& tie,
-                       const GapOptions& options) {
+std::string ProposeTieBreaker(const Flight& flight, const Trajectory& estimated,
+                              const Eigen::Vector3d& boresight_rad, const Tie& tie,
+                              const GapOptions& options) {
   if (!flight.pairs || flight.pairs->pairs.empty()) return "";
   const std::vector<Attempt> attempts = MakeAttempts(MakePlan(flight, estimated, boresight_rad));
   std::vector<std::vector<double>> separations(attempts.size());

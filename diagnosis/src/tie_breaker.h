@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/files/flight.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
@@ -15,12 +15,12 @@ namespace dn::internal {
 /// A named effect, and the effects that the flight cannot separate from it.
 struct Tie {
   GapCause named;
-  std::vector<std::string> rivals;
+  std::vector<std::string> competing_effects;
 };
 
 /// Returns the ties of a verdict that one more strip could break: those between fixed effects that
 /// act during the whole flight.
-std::vector<Tie> TiesOf(const GapDiagnosis& diagnosis);
+std::vector<Tie> FindTies(const GapDiagnosis& diagnosis);
 
 /// Returns the noncentrality of the named effect, at its estimate, against a rival of free size.
 /// The mean evidence for the effect against the rival is half of it, nats. Returns infinity if the
@@ -32,8 +32,8 @@ double Separation(const Screen& screen, const GapCause& named, const std::string
 /// direction, one higher and one faster. The flight is planned again, with its strips and the
 /// additional one as straight lines, by geometry alone. Returns "" if the flight cannot be planned
 /// or no strip helps.
-std::string TieBreaker(const Flight& flight, const Trajectory& estimated,
-                       const Eigen::Vector3d& boresight_rad, const Tie& tie,
-                       const GapOptions& options);
+std::string ProposeTieBreaker(const Flight& flight, const Trajectory& estimated,
+                              const Eigen::Vector3d& boresight_rad, const Tie& tie,
+                              const GapOptions& options);
 
 }  // namespace dn::internal

@@ -24,7 +24,7 @@ class TauSteps {
   double LogTau(int step) const { return log_tau_ + step * length(); }
 
   /// Returns null if the network cannot be built.
-  const SizeAtTau* At(int step) {
+  const LikelySize* At(int step) {
     auto known = known_.find(step);
     if (known == known_.end()) {
       known = known_.emplace(step, sizes_(std::exp(LogTau(step)))).first;
@@ -35,7 +35,7 @@ class TauSteps {
  private:
   const SizesByTau& sizes_;
   double log_tau_;
-  std::map<int, std::optional<SizeAtTau>> known_;
+  std::map<int, std::optional<LikelySize>> known_;
 };
 
 /// Logarithms of a size and a time constant.
@@ -61,8 +61,8 @@ struct Search {
 Search FindLikeliestStep(TauSteps& steps) {
   Search search;
   for (int pass = 0; pass < kMostTauSteps && !search.found; ++pass) {
-    const SizeAtTau *before = steps.At(search.last - 1), *at = steps.At(search.last),
-                    *after = steps.At(search.last + 1);
+    const LikelySize *before = steps.At(search.last - 1), *at = steps.At(search.last),
+                     *after = steps.At(search.last + 1);
     if (before == nullptr || at == nullptr || after == nullptr) {
       search.complete = false;
       return search;
@@ -80,8 +80,8 @@ Search FindLikeliestStep(TauSteps& steps) {
 }
 
 std::optional<TauPeak> PeakBetweenNeighbours(TauSteps& steps, int step) {
-  const SizeAtTau &before = *steps.At(step - 1), &middle = *steps.At(step),
-                  &after = *steps.At(step + 1);
+  const LikelySize &before = *steps.At(step - 1), &middle = *steps.At(step),
+                   &after = *steps.At(step + 1);
   const double length = TauSteps::length();
   const double curvature =
       (2.0 * middle.log_likelihood - before.log_likelihood - after.log_likelihood) /
@@ -103,7 +103,7 @@ LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
   double end_root = 0.0;  // root of the decrease, linear in ln(tau) for a normal likelihood
   for (int k = 1; k <= kMaxIntervalSteps; ++k) {
     const int step = peak.step + direction * k;
-    const SizeAtTau* at = steps.At(step);
+    const LikelySize* at = steps.At(step);
     if (at == nullptr) break;
     const LogProcess here{steps.LogTau(step), std::log(at->size)};
     const double root = std::sqrt(std::max(0.0, peak.log_likelihood - at->log_likelihood));
@@ -127,10 +127,10 @@ ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
   const double reach = std::hypot(kInterval_sigmas * peak.relative_sigma, with_tau);
   ProcessEstimate estimate;
   estimate.size = std::exp(peak.at.size);
-  estimate.sigma_of_size = estimate.size * RelativeSigma(reach);
+  estimate.size_sigma = estimate.size * RelativeSigma(reach);
   estimate.tau_s = std::exp(peak.at.tau);
-  estimate.sigma_of_tau_s = estimate.tau_s * std::max(RelativeSigma(longer.tau),
-                                                      -std::expm1(shorter.tau) / kInterval_sigmas);
+  estimate.tau_sigma_s = estimate.tau_s * std::max(RelativeSigma(longer.tau),
+                                                   -std::expm1(shorter.tau) / kInterval_sigmas);
   return estimate;
 }
 
@@ -138,13 +138,13 @@ ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
 /// rate too low, to show the end of the correlation. The sigma of the size includes its change
 /// since the start of the search.
 ProcessEstimate OpenEstimate(TauSteps& steps, int last) {
-  const SizeAtTau &start = *steps.At(0), &open = *steps.At(last);
+  const LikelySize &start = *steps.At(0), &open = *steps.At(last);
   ProcessEstimate estimate;
   estimate.size = open.size;
-  estimate.sigma_of_size =
+  estimate.size_sigma =
       open.size * std::hypot(open.relative_sigma, std::log(open.size / start.size));
   estimate.tau_s = std::exp(steps.LogTau(last));
-  estimate.sigma_of_tau_s = std::numeric_limits<double>::quiet_NaN();
+  estimate.tau_sigma_s = std::numeric_limits<double>::quiet_NaN();
   return estimate;
 }
 

@@ -1,8 +1,8 @@
 #include <dn/builder/edge_factors.h>
-#include <dn/effects/effect_table.h>
-#include <dn/error.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/twin.h>
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
 #include <dn/median.h>
 
 #include <algorithm>
@@ -94,8 +94,8 @@ void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d
               Scenario* scenario) {
   Mounting mounting = flight.config.lidar->mounting;
   mounting.boresight_rad = boresight_rad;
-  scenario->lidar = ScannerOf(flight, mounting);
-  scenario->terrain = GroundOf(flight, trajectory, mounting, scenario->plan.strips);
+  scenario->lidar = EstimateScanner(flight, mounting);
+  scenario->terrain = EstimateGround(flight, trajectory, mounting, scenario->plan.strips);
   scenario->pairs.count = static_cast<long>(flight.pairs->pairs.size());
   scenario->pairs.sigma_p_m = internal::MedianPairSigma(flight);
 }
@@ -103,7 +103,7 @@ void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d
 /// Adds flat ground below the path, for a scenario without pairs.
 void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* scenario) {
   double lowest_m = std::numeric_limits<double>::infinity();
-  for (const MapPose& pose : trajectory.InMap(flight.frame)) {
+  for (const MapPose& pose : trajectory.ToMapPoses(flight.frame)) {
     lowest_m = std::min(lowest_m, pose.p_mb.z());
   }
   scenario->terrain.kind = TerrainKind::kFlat;
@@ -117,15 +117,15 @@ void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* sc
 
 }  // namespace
 
-Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
-                      const std::vector<GapCause>& causes, const Vector3d& boresight_rad) {
+Scenario MakeReplicateScenario(const Flight& flight, const Trajectory& estimated,
+                               const std::vector<GapCause>& causes, const Vector3d& boresight_rad) {
   if (!flight.imu || !flight.gnss)
     throw InvalidInput("a replicate needs a flight with IMU and GNSS data");
   Scenario scenario;
   scenario.name = flight.config.name + " twin";
   scenario.origin = flight.frame.origin();
   scenario.start_s = std::fmod(std::max(0.0, estimated.t_begin_s()), kSecondsPerWeek);
-  scenario.plan.replay = kTwinTrajectoryFile;
+  scenario.plan.replay = kReplayTrajectoryFile;
   scenario.plan.strips = ReplayedStrips(flight, estimated);
   scenario.plan.bank_rad = 25.0 * kRadPerDeg;  // used by lines only, not by a replay
   scenario.imu = MakeImu(flight);
@@ -137,7 +137,7 @@ Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
   }
   scenario.effects = VibrationEffects(flight);
   for (const GapCause& cause : causes) {
-    scenario.effects.push_back({cause.effect, FileValue(cause), cause.times, {}});
+    scenario.effects.push_back({cause.effect, ToFileValue(cause), cause.times, {}});
   }
   return scenario;
 }

@@ -25,7 +25,7 @@ double Rank(const std::vector<double>& values, double x) {
 /// The three statistics that compare a flight with its replicates.
 class Statistics {
  public:
-  Statistics(const Twins& twins, std::size_t count) {
+  Statistics(const ReplicateSet& twins, std::size_t count) {
     const auto n = static_cast<double>(count);
     mean_ = Eigen::VectorXd::Zero(twins.all[0].locations.size());
     for (std::size_t k = 0; k < count; ++k) mean_ += twins.all[k].locations / n;
@@ -42,14 +42,14 @@ class Statistics {
     factor_.compute(C.selfadjointView<Eigen::Lower>());
   }
 
-  Eigen::VectorXd Z(const Appearance& of) const {
+  Eigen::VectorXd Z(const ResidualSummary& of) const {
     return (of.locations - mean_).cwiseQuotient(sigma_);
   }
-  double Omnibus(const Appearance& of) const {
+  double Omnibus(const ResidualSummary& of) const {
     return factor_.matrixL().solve(Z(of)).squaredNorm();
   }
-  double Largest(const Appearance& of) const { return Z(of).cwiseAbs().maxCoeff(); }
-  static double Library(const Appearance& of) {
+  double Largest(const ResidualSummary& of) const { return Z(of).cwiseAbs().maxCoeff(); }
+  static double Library(const ResidualSummary& of) {
     return of.log_evidence.size() > 0 ? of.log_evidence.maxCoeff() : 0.0;
   }
 
@@ -72,7 +72,7 @@ struct Ranks {
 class Ranking {
  public:
   /// Standardises by the replicates [0, standardising) and ranks by [standardising, past).
-  Ranking(const Twins& twins, std::size_t standardising, std::size_t past)
+  Ranking(const ReplicateSet& twins, std::size_t standardising, std::size_t past)
       : statistics_(twins, standardising) {
     for (std::size_t k = standardising; k < past; ++k) {
       omnibus_.push_back(statistics_.Omnibus(twins.all[k]));
@@ -90,7 +90,7 @@ class Ranking {
   const std::vector<double>& omnibus() const { return omnibus_; }
   const std::vector<double>& library() const { return library_; }
 
-  Ranks RankFlight(const Appearance& flight) const {
+  Ranks RankFlight(const ResidualSummary& flight) const {
     return {Rank(omnibus_, statistics_.Omnibus(flight)),
             Rank(largest_, statistics_.Largest(flight)),
             Rank(library_, Statistics::Library(flight))};
@@ -98,7 +98,7 @@ class Ranking {
 
   /// Returns the p-value of the smallest of the three ranks, from its distribution over the
   /// replicates.
-  double P(const Appearance& flight) const {
+  double P(const ResidualSummary& flight) const {
     const double smallest = RankFlight(flight).smallest();
     const auto at_most = std::count_if(smallest_.begin(), smallest_.end(),
                                        [&](double of_twin) { return of_twin <= smallest; });
@@ -136,9 +136,9 @@ Eigen::VectorXd StepDown(const Eigen::VectorXd& z, const std::vector<Eigen::Vect
 
 }  // namespace
 
-Appearance Look(const Screen& screen, const Locations& locations, const Eigen::VectorXd& residual,
-                const Eigen::VectorXd& scores) {
-  Appearance appearance;
+ResidualSummary Look(const Screen& screen, const Locations& locations,
+                     const Eigen::VectorXd& residual, const Eigen::VectorXd& scores) {
+  ResidualSummary appearance;
   appearance.locations = locations.Evaluate(residual);
   appearance.log_evidence.resize(static_cast<Eigen::Index>(screen.families().size()));
   for (std::size_t k = 0; k < screen.families().size(); ++k) {
@@ -151,10 +151,10 @@ Appearance Look(const Screen& screen, const Locations& locations, const Eigen::V
   return appearance;
 }
 
-Twins MakeTwins(const Marginals& marginals, const Screen& screen, const Locations& locations,
-                const TwinOptions& options) {
+ReplicateSet MakeReplicates(const Marginals& marginals, const Screen& screen,
+                            const Locations& locations, const ReplicateOptions& options) {
   const LinearizedNetwork& linearized = marginals.linearized();
-  Twins twins;
+  ReplicateSet twins;
   twins.all.resize(static_cast<std::size_t>(options.count));
   for (int first = 0; first < options.count; first += kBatch) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
@@ -175,7 +175,7 @@ Twins MakeTwins(const Marginals& marginals, const Screen& screen, const Location
   return twins;
 }
 
-std::vector<Eigen::Index> TwinTest::LargestFirst() const {
+std::vector<Eigen::Index> ReplicateTest::LargestFirst() const {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
@@ -183,34 +183,34 @@ std::vector<Eigen::Index> TwinTest::LargestFirst() const {
   return order;
 }
 
-TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins) {
+ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const ReplicateSet& twins) {
   const Ranking ranking(twins, twins.all.size() / 2, twins.all.size());
   const Statistics& statistics = ranking.statistics();
   const Ranks ranks = ranking.RankFlight(flight);
-  TwinTest test;
+  ReplicateTest test;
   test.mean = statistics.mean();
   test.sigma = statistics.sigma();
   test.z = statistics.Z(flight);
   test.omnibus = statistics.Omnibus(flight);
-  test.omnibus_of_twins = ranking.omnibus();
+  test.omnibus_of_replicates = ranking.omnibus();
   test.omnibus_mean = std::accumulate(ranking.omnibus().begin(), ranking.omnibus().end(), 0.0) /
                       static_cast<double>(ranking.omnibus().size());
   test.p_omnibus = ranks.omnibus;
   test.p_largest = ranks.largest;
   test.p_library = ranks.library;
   test.p_value = ranking.P(flight);
-  std::vector<Eigen::VectorXd> z_of_twins;
+  std::vector<Eigen::VectorXd> z_of_replicates;
   for (std::size_t k = twins.all.size() / 2; k < twins.all.size(); ++k) {
-    z_of_twins.push_back(statistics.Z(twins.all[k]));
+    z_of_replicates.push_back(statistics.Z(twins.all[k]));
   }
-  test.p_adjusted = StepDown(test.z, z_of_twins);
+  test.p_adjusted = StepDown(test.z, z_of_replicates);
   std::vector<double> library = ranking.library();
   std::sort(library.begin(), library.end());
   test.evidence_95 = library[static_cast<std::size_t>(0.95 * static_cast<double>(library.size()))];
   return test;
 }
 
-double TwinsAgainstTwins(const Twins& twins) {
+double TestReplicateConsistency(const ReplicateSet& twins) {
   const std::size_t third = twins.all.size() / 3;
   if (third < 2) return 1.0;
   const Ranking ranking(twins, third, 2 * third);
@@ -218,7 +218,7 @@ double TwinsAgainstTwins(const Twins& twins) {
   for (std::size_t k = 2 * third; k < twins.all.size(); ++k) {
     p_values.push_back(ranking.P(twins.all[k]));
   }
-  return UniformityP(std::move(p_values), static_cast<double>(third));
+  return UniformityPValue(std::move(p_values), static_cast<double>(third));
 }
 
 }  // namespace dn::internal

@@ -1,7 +1,7 @@
 #include "unavailable.h"
 
-#include <dn/effects/effect_table.h>
 #include <dn/diagnosis/report.h>
+#include <dn/effects/effect_table.h>
 
 #include <limits>
 #include <utility>
@@ -45,20 +45,20 @@ GapResult WithLimits(const Flight& flight, GapDiagnosis diagnosis) {
   return result;
 }
 
-std::vector<HiddenEffect> HiddenByTrajectory(const GapOptions& options) {
+std::vector<DetectionLimit> EffectsInTrajectory(const GapOptions& options) {
   const LibraryOptions wanted{options.effects, options.left_out, 1};
-  std::vector<HiddenEffect> hidden;
+  std::vector<DetectionLimit> hidden;
   for (const EffectSpec& spec : EffectTable()) {
     const bool of_trajectory = spec.sensor == EffectSensor::kTrajectory;
     const bool of_lidar =
         spec.sensor == EffectSensor::kLidar || spec.sensor == EffectSensor::kPairs;
     const bool inertial = !of_lidar && spec.kind == EffectKind::kFixed;
     if (!(of_trajectory || inertial) || !wanted.Wanted(spec.name)) continue;
-    HiddenEffect effect;
+    DetectionLimit effect;
     effect.effect = spec.name;
     effect.unit = spec.components.front().unit;
     effect.minimal_detectable = std::numeric_limits<double>::infinity();
-    effect.boresight_damage_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
+    effect.boresight_shift_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
     hidden.push_back(effect);
   }
   return hidden;

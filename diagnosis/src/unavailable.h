@@ -14,6 +14,6 @@ GapResult Unavailable(const Flight& flight, const GapOptions& options, const std
 GapResult WithLimits(const Flight& flight, GapDiagnosis diagnosis);
 
 /// Returns the effects that a given trajectory contains: they are undetectable at any size.
-std::vector<HiddenEffect> HiddenByTrajectory(const GapOptions& options);
+std::vector<DetectionLimit> EffectsInTrajectory(const GapOptions& options);
 
 }  // namespace dn::internal

@@ -43,7 +43,7 @@ struct Component {
 double LogPrior(const Component& component, double size) {
   double sum = 0.0;
   for (std::size_t g = 0; g < SizePrior::kSizes; ++g) {
-    const double spread = SizePrior::kTimesUsual[g] * component.typical_log_spread;
+    const double spread = SizePrior::kTimesTypical[g] * component.typical_log_spread;
     const double off = std::log(size / component.centre) / spread;
     sum += SizePrior::kProbability[g] * std::exp(-0.5 * off * off) / spread;
   }
@@ -83,12 +83,12 @@ class Variances {
     for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
       for (const FactorId id : {edge.position, edge.velocity}) {
         if (id < 0) continue;
-        if (const auto rows = linearized_.RowsOf(id))
+        if (const auto rows = linearized_.FindRows(id))
           gnss.segment(rows->first, rows->count).setOnes();
       }
     }
     for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
-      const auto rows = linearized_.RowsOf(edge.id);
+      const auto rows = linearized_.FindRows(edge.id);
       if (!rows) continue;
       const double sigma_m = network_.flight().config.lidar->sigma_p_m;
       const double range_m = 0.5 * (edge.pair.u_i_s.norm() + edge.pair.u_j_s.norm());
@@ -127,7 +127,7 @@ class Variances {
   /// Evaluates a component from one Fisher step `theta` with its sigma, and by its profile
   /// likelihood if the step is significant.
   ScreenedEffect Judge(const Component& component, double theta, double sigma_theta) const {
-    ScreenedEffect effect = Unscreened(component.effect);
+    ScreenedEffect effect = MakeUnscreened(component.effect);
     const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
     const bool impossible = component.at_least_stated && theta <= 0.0;
     if (impossible || quadratic < kWorthALookNats) {
@@ -176,14 +176,14 @@ class Variances {
     high_band.sampling = flight.config.imu->read.sampling;
     const ImuModel& model = flight.config.imu->model;
     const NoiseCheck check = CheckNoise(MeasureHighBand(*flight.imu, model, high_band));
-    const NoiseCauses noise = CausesOf(check.evidence);
+    const NoiseCauses noise = NoiseCauseEvidence(check.evidence);
     out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
     AddScale(EffectId::kGyroNoiseScale, check, kGyroTriad,
              NoiseScaleEvidence(check, noise, kGyroTriad));
     AddScale(EffectId::kAccelNoiseScale, check, kAccelTriad,
              NoiseScaleEvidence(check, noise, kAccelTriad));
     const bool beside = check.evidence.window_and_scale > check.evidence.window;
-    const auto& window = beside ? check.window_beside_scale : check.window;
+    const auto& window = beside ? check.window_with_scale : check.window;
     if (window) AddVibration(*window, WindowEvidence(check, noise));
   }
 
@@ -201,7 +201,7 @@ class Variances {
 
   void AddVibration(const NoiseWindow& window, double log_evidence) {
     if (!options_.Wanted(EffectId::kImuVibration)) return;
-    ScreenedEffect vibration = Unscreened(EffectId::kImuVibration);
+    ScreenedEffect vibration = MakeUnscreened(EffectId::kImuVibration);
     vibration.times.window_s = {{window.t0_s, window.t1_s}};
     vibration.log_evidence = log_evidence;
     vibration.estimate = Eigen::Vector2d(window.sigma[0], window.sigma[1]);
@@ -213,7 +213,7 @@ class Variances {
   void AddScale(EffectId id, const NoiseCheck& check, ImuTriad triad, double log_evidence) {
     if (!check.level[triad] || !options_.Wanted(id)) return;
     const NoiseLevel& level = *check.level[triad];
-    ScreenedEffect scale = Unscreened(id);
+    ScreenedEffect scale = MakeUnscreened(id);
     scale.estimate = Eigen::VectorXd::Constant(1, level.ratio);
     scale.sigma = Eigen::VectorXd::Constant(1, level.sigma);
     const bool matters = std::abs(level.ratio - 1.0) >= kNoEffect;

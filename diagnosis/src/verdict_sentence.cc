@@ -1,7 +1,7 @@
 #include <dn/builder/calibration_effect.h>
-#include <dn/effects/effect_table.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/report.h>
+#include <dn/effects/effect_table.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -37,10 +37,10 @@ std::string Remedy(const GapDiagnosis& d, const GapCause& cause) {
 }
 
 std::string ShiftText(const GapCause& cause) {
-  const Eigen::Vector3d& damage = cause.boresight_damage_rad;
-  return damage.isZero(0.0) || !damage.allFinite()
+  const Eigen::Vector3d& max_shift_sigmas = cause.boresight_shift_rad;
+  return max_shift_sigmas.isZero(0.0) || !max_shift_sigmas.allFinite()
              ? std::string()
-             : ", which moves the boresight (roll, pitch, yaw) by " + MdegWords(damage);
+             : ", which moves the boresight (roll, pitch, yaw) by " + MdegWords(max_shift_sigmas);
 }
 
 /// Describes one effect: name, size, shift of the boresight, and the key that models it.
@@ -55,7 +55,7 @@ std::string Moved(const GapDiagnosis& d) {
   const GapState& before = d.shrinkage->before;
   const GapState& after = d.shrinkage->after;
   if (!before.boresight_rad || !after.boresight_rad) return "";
-  for (const GapCause& cause : CausesOfVerdict(d)) {
+  for (const GapCause& cause : VerdictCauses(d)) {
     if (!ShiftText(cause).empty()) return "";
   }
   return " and moves the boresight (roll, pitch, yaw) by " +
@@ -69,12 +69,12 @@ std::string ImplausibleWords(const GapDiagnosis& d) {
   return fmt::format(
       "; {} has {:.0f} times its typical size, and {} fits the data almost equally well: check "
       "whether this size is possible",
-      one.effect, one.usual_sizes, one.discrepancy);
+      one.effect, one.typical_sizes, one.discrepancy);
 }
 
 std::string NamedEffects(const GapDiagnosis& d) {
   std::vector<std::string> each;
-  for (const GapCause& cause : CausesOfVerdict(d)) each.push_back(Effect(d, cause));
+  for (const GapCause& cause : VerdictCauses(d)) each.push_back(Effect(d, cause));
   std::string text = fmt::format("the model lacks {}", fmt::join(each, "; and "));
   if (d.shrinkage) text += "; that closes " + internal::ClosedWords(*d.shrinkage) + Moved(d);
   return text + ImplausibleWords(d);
@@ -90,7 +90,7 @@ std::vector<std::string> OtherNames(const GapDiagnosis& d) {
     if (!known) names.push_back(name);
   };
   for (const std::string& name : d.verdict.credible_set) add(name);
-  for (const GapCause& cause : CausesOfVerdict(d)) {
+  for (const GapCause& cause : VerdictCauses(d)) {
     for (const std::string& name : cause.inseparable_from) add(name);
   }
   return names;
@@ -137,9 +137,9 @@ std::string Unknown(const GapDiagnosis& d) {
 
 /// Returns the effect with the largest undetected shift of the boresight. On a given trajectory,
 /// only effects that the pairs can show are considered.
-HiddenEffect MostHarmful(const GapDiagnosis& d) {
-  const std::vector<HiddenEffect> worst = internal::MostHarmful(d.could_still_hide);
-  const auto at = std::find_if(worst.begin(), worst.end(), [&](const HiddenEffect& effect) {
+DetectionLimit MostHarmful(const GapDiagnosis& d) {
+  const std::vector<DetectionLimit> worst = internal::MostHarmful(d.could_still_hide);
+  const auto at = std::find_if(worst.begin(), worst.end(), [&](const DetectionLimit& effect) {
     return !d.trajectory_given || std::isfinite(effect.minimal_detectable);
   });
   return at == worst.end() ? worst.front() : *at;
@@ -150,11 +150,11 @@ std::string NoGap(const GapDiagnosis& d) {
       "the data agree with the assumed model ({}; the gap is at most {:.2g} nats per observation)",
       internal::PWords(d.p_value), d.size.upper_limit_95);
   if (d.could_still_hide.empty()) return text;
-  const HiddenEffect worst = MostHarmful(d);
+  const DetectionLimit worst = MostHarmful(d);
   if (!std::isfinite(worst.minimal_detectable)) {
     const auto more = std::count_if(
         d.could_still_hide.begin(), d.could_still_hide.end(),
-        [](const HiddenEffect& effect) { return !std::isfinite(effect.minimal_detectable); });
+        [](const DetectionLimit& effect) { return !std::isfinite(effect.minimal_detectable); });
     const std::string others = more < 2    ? ""
                                : more == 2 ? " and one other"
                                            : fmt::format(" and {} others", more - 1);
@@ -164,7 +164,7 @@ std::string NoGap(const GapDiagnosis& d) {
       fmt::format("; {} below {} is undetectable", worst.effect, internal::DetectableWords(worst));
   if (!internal::HasBoresight(d)) return text;
   return text + ", and can shift the boresight (roll, pitch, yaw) by up to " +
-         MdegWords(worst.boresight_damage_rad.cwiseAbs());
+         MdegWords(worst.boresight_shift_rad.cwiseAbs());
 }
 
 std::string Unavailable(const GapDiagnosis& d) {

@@ -38,7 +38,7 @@ GnssReading Corrected(const GnssEffects& effects, double const* const* values, d
   return reading;
 }
 
-GnssAntenna::GnssAntenna(Quantity quantity, const Vector3d& z_m, const MotionAtTag& motion,
+GnssAntenna::GnssAntenna(Quantity quantity, const Vector3d& z_m, const MotionNearTag& motion,
                          GnssEffects effects, const Noise<3>& noise)
     : DynamicFactor(3, Kinds(effects)),
       quantity_(quantity),

@@ -50,7 +50,7 @@ LidarPoint::Derivatives LidarPoint::DifferentiateAt(const Arguments& at) const {
   return out;
 }
 
-Eigen::Matrix<double, 3, 9> LidarPoint::ByIncrements(const Arguments& at) const {
+Eigen::Matrix<double, 3, 9> LidarPoint::IncrementJacobian(const Arguments& at) const {
   const Matrix3d R = at.q_mb.toRotationMatrix();
   const AffineStep& step = state_.step();
   const Matrix3d C_inverse_R = step.C.transpose() * R;
@@ -63,14 +63,14 @@ Eigen::Matrix<double, 3, 9> LidarPoint::ByIncrements(const Arguments& at) const 
   return J;
 }
 
-Matrix3d LidarPoint::ByAttraction(double ddt_s) const {
-  return state_.PositionByAttraction() - ddt_s * state_.VelocityByAttraction();
+Matrix3d LidarPoint::GravitationJacobian(double ddt_s) const {
+  return state_.PositionGravitationJacobian() - ddt_s * state_.VelocityGravitationJacobian();
 }
 
 LidarPoint LidarPoint::Moved(const Eigen::Matrix<double, 9, 1>& increments,
-                             const Vector3d& attraction_mps2) const {
+                             const Vector3d& gravitation_mps2) const {
   LidarPoint out = *this;
-  out.state_ = state_.Moved(increments, attraction_mps2);
+  out.state_ = state_.Moved(increments, gravitation_mps2);
   return out;
 }
 

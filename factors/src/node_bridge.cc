@@ -12,8 +12,8 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-NodeBridge::NodeBridge(const LocalFrame& frame, const Preintegrated& partial,
-                       const Preintegrated& whole)
+IncrementConditioning::IncrementConditioning(const LocalFrame& frame, const Preintegrated& partial,
+                                             const Preintegrated& whole)
     : q_C_(Exp(Vector3d(frame.w_ie_m() * whole.dt_s()))),
       delta_q_(whole.delta_q),
       J_q_effects_(whole.J_effects.topRows<3>()),
@@ -33,8 +33,8 @@ NodeBridge::NodeBridge(const LocalFrame& frame, const Preintegrated& partial,
   covariance_ -= gain_ * of_whole * gain_.transpose();
 }
 
-NodeBridge::Correction NodeBridge::At(const Quaterniond& q, const Quaterniond& q_after,
-                                      const Eigen::VectorXd& d_effects) const {
+IncrementConditioning::Correction IncrementConditioning::At(
+    const Quaterniond& q, const Quaterniond& q_after, const Eigen::VectorXd& d_effects) const {
   Vector3d xi = Vector3d::Zero();
   if (J_q_effects_.cols() > 0) xi = J_q_effects_ * d_effects;
   const Quaterniond turned = q.conjugate() * (q_C_ * q_after);

@@ -3,21 +3,22 @@
 
 namespace dn {
 
-PointSensitivity SensitivityOf(const LidarPoint& point, const LidarPoint::Arguments& at,
-                               const LidarPoint::Derivatives& of, const Eigen::Vector3d& theta_rad,
-                               const Eigen::Matrix3d& W) {
+PointSensitivity ComputePointSensitivity(const LidarPoint& point, const LidarPoint::Arguments& at,
+                                         const LidarPoint::Derivatives& of,
+                                         const Eigen::Vector3d& theta_rad,
+                                         const Eigen::Matrix3d& W) {
   PointSensitivity out;
   out.lever_arm.noalias() = W * of.a_b;
   out.u_b.noalias() = out.lever_arm * at.q_boresight.toRotationMatrix();
   out.turn_b.noalias() = W * (of.theta * RightJacobian(Eigen::Vector3d(-theta_rad)));
   out.delay.noalias() = -W * of.rate;
-  out.increments.noalias() = W * point.ByIncrements(at);
-  out.attraction.noalias() = W * point.ByAttraction(at.ddt_s);
+  out.increments.noalias() = W * point.IncrementJacobian(at);
+  out.attraction.noalias() = W * point.GravitationJacobian(at.ddt_s);
   return out;
 }
 
-void AddByEffects(const PointSensitivity& point, const EffectsOnPoint& effects,
-                  const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum) {
+void AddEffectJacobians(const PointSensitivity& point, const EffectsOnPoint& effects,
+                        const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum) {
   const LidarReading& reading = effects.reading;
   const Eigen::Index lidar = reading.J_u.cols(), imu = effects.increments.cols();
   const Eigen::Matrix3d by_u_s = point.u_b * T_bs;
@@ -29,7 +30,7 @@ void AddByEffects(const PointSensitivity& point, const EffectsOnPoint& effects,
   of_imu += point.increments.lazyProduct(effects.increments);
   if (effects.whole != nullptr) of_imu += point.whole.lazyProduct(*effects.whole);
   Eigen::Index column = lidar + imu;
-  for (const AttractionBasis& D : effects.attraction) {
+  for (const GravitationBasis& D : effects.attraction) {
     sum.middleCols(column, D.cols()) += point.attraction.lazyProduct(D);
     column += D.cols();
   }

@@ -91,8 +91,8 @@ std::optional<PointSensitivity> PointToPoint::SensitivityAt(End end, double cons
   const bool first = end == End::kI;
   const LidarPoint& point = first ? i_ : j_;
   const LidarPoint::Arguments at = first ? Arguments(x, u_i_b_, x) : Arguments(x + 3, u_j_b_, x);
-  return SensitivityOf(point, at, point.DifferentiateAt(at), Log(at.q_boresight),
-                       first ? W_ : Eigen::Matrix3d(-W_));
+  return ComputePointSensitivity(point, at, point.DifferentiateAt(at), Log(at.q_boresight),
+                                 first ? W_ : Eigen::Matrix3d(-W_));
 }
 
 std::pair<Eigen::Vector3d, Eigen::Vector3d> PointToPoint::Points(double const* const* x) const {

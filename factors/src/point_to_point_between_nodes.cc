@@ -20,7 +20,7 @@ std::size_t Bridges(const LidarEnd& i, const LidarEnd& j) {
 
 std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
                              const ImuEffectValues& imu,
-                             const std::vector<AttractionBasis>& attraction) {
+                             const std::vector<GravitationBasis>& attraction) {
   std::vector<BlockKind> kinds{Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind};
@@ -28,7 +28,7 @@ std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
   const auto add = [&](Eigen::Index size) { kinds.push_back(internal::VectorKind(size)); };
   for (const auto& effect : lidar) add(effect->components());
   for (const ImuEffectValue& one : imu) add(one.value.size());
-  for (const AttractionBasis& D : attraction) add(D.cols());
+  for (const GravitationBasis& D : attraction) add(D.cols());
   return kinds;
 }
 
@@ -45,7 +45,7 @@ PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame, cons
                                                    const LidarEnd& j, double tag_i_s,
                                                    double tag_j_s, const Matrix3d& T_bs_nominal,
                                                    LidarEffects lidar,
-                                                   std::vector<AttractionBasis> attraction,
+                                                   std::vector<GravitationBasis> attraction,
                                                    const Noise<3>& noise_m)
     : DynamicFactor(3, Kinds(Bridges(i, j), lidar, i.partial.linearisation.effects, attraction)),
       first_lidar_block_(kPairBlocks + Bridges(i, j)),
@@ -97,10 +97,10 @@ Eigen::Index PointToPointBetweenNodes::NumEffectValues() const {
   return values;
 }
 
-Vector3d PointToPointBetweenNodes::AttractionOf(double const* const* x) const {
+Vector3d PointToPointBetweenNodes::AdditionalGravitation(double const* const* x) const {
   Vector3d sum = Vector3d::Zero();
   std::size_t block = first_attraction_block();
-  for (const AttractionBasis& D : attraction_) {
+  for (const GravitationBasis& D : attraction_) {
     sum += D * Eigen::Map<const VectorXd>(x[block++], D.cols());
   }
   return sum;
@@ -121,7 +121,7 @@ PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
     moved += at.bridged.increments;
   }
   at.turn = moved.head<3>();
-  at.point = end.point.Moved(moved, AttractionOf(x));
+  at.point = end.point.Moved(moved, AdditionalGravitation(x));
   using Vec3 = Eigen::Map<const Vector3d>;
   at.arguments = {Eigen::Quaterniond(node[0]),
                   Vec3(node[1]),
@@ -133,26 +133,26 @@ PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
   return at;
 }
 
-Eigen::Matrix<double, 3, 9> PointToPointBetweenNodes::ByIncrements(const EndAt& at) {
-  Eigen::Matrix<double, 3, 9> J = at.point.ByIncrements(at.arguments);
+Eigen::Matrix<double, 3, 9> PointToPointBetweenNodes::IncrementJacobian(const EndAt& at) {
+  Eigen::Matrix<double, 3, 9> J = at.point.IncrementJacobian(at.arguments);
   J.leftCols<3>() = (J.leftCols<3>() * RightJacobian(at.turn)).eval();
   return J;
 }
 
-PointSensitivity PointToPointBetweenNodes::SensitivityOfEnd(const End& end, const EndAt& at,
-                                                            const LidarPoint::Derivatives& of,
-                                                            const Matrix3d& W) {
-  PointSensitivity point = SensitivityOf(at.point, at.arguments, of, at.theta, W);
-  point.increments = W * ByIncrements(at);
+PointSensitivity PointToPointBetweenNodes::EndSensitivity(const End& end, const EndAt& at,
+                                                          const LidarPoint::Derivatives& of,
+                                                          const Matrix3d& W) {
+  PointSensitivity point = ComputePointSensitivity(at.point, at.arguments, of, at.theta, W);
+  point.increments = W * IncrementJacobian(at);
   if (end.bridge) point.whole = point.increments * at.bridged.J_whole;
   return point;
 }
 
-void PointToPointBetweenNodes::AddByOwnEffects(const End& end, const EndAt& at,
-                                               const PointSensitivity& point,
-                                               Matrix3Xd* sum) const {
+void PointToPointBetweenNodes::AddEndEffectJacobians(const End& end, const EndAt& at,
+                                                     const PointSensitivity& point,
+                                                     Matrix3Xd* sum) const {
   const Matrix3Xd* whole = end.bridge ? &end.bridge->J_q_effects() : nullptr;
-  AddByEffects(point, {at.reading, end.J_increments, whole, attraction_}, T_bs_, *sum);
+  AddEffectJacobians(point, {at.reading, end.J_increments, whole, attraction_}, T_bs_, *sum);
 }
 
 bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, double** J) const {
@@ -165,7 +165,7 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
 
   const auto put_bridge = [&](const End& end, const EndAt& at, const Matrix3d& W, Matrix3d* J_q) {
     if (!end.bridge) return;
-    const Eigen::Matrix<double, 3, 9> by_increments = W * ByIncrements(at);
+    const Eigen::Matrix<double, 3, 9> by_increments = W * IncrementJacobian(at);
     *J_q += by_increments * at.bridged.J_q;
     Put(static_cast<int>(end.node_after), x, J, Matrix3d(by_increments * at.bridged.J_q_after));
   };
@@ -187,8 +187,8 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
   if (first_lidar_block_ == block_kinds().size()) return true;
 
   Matrix3Xd J_r_c = Matrix3Xd::Zero(3, NumEffectValues());
-  AddByOwnEffects(i_, at_i, SensitivityOfEnd(i_, at_i, i, W_), &J_r_c);
-  AddByOwnEffects(j_, at_j, SensitivityOfEnd(j_, at_j, j, -W_), &J_r_c);
+  AddEndEffectJacobians(i_, at_i, EndSensitivity(i_, at_i, i, W_), &J_r_c);
+  AddEndEffectJacobians(j_, at_j, EndSensitivity(j_, at_j, j, -W_), &J_r_c);
   Eigen::Index column = 0;
   for (std::size_t block = first_lidar_block_; block < block_kinds().size(); ++block) {
     const int size = block_kinds()[block].stored_size;
@@ -203,8 +203,8 @@ std::optional<PointSensitivity> PointToPointBetweenNodes::SensitivityAt(
   const bool first = of == PointPairFactor::End::kI;
   const End& end = first ? i_ : j_;
   const EndAt at = At(end, x);
-  return SensitivityOfEnd(end, at, at.point.DifferentiateAt(at.arguments),
-                          first ? W_ : Matrix3d(-W_));
+  return EndSensitivity(end, at, at.point.DifferentiateAt(at.arguments),
+                        first ? W_ : Matrix3d(-W_));
 }
 
 std::pair<Vector3d, Vector3d> PointToPointBetweenNodes::Points(double const* const* x) const {

@@ -12,7 +12,7 @@ namespace {
 
 std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
                              const ImuEffectValues& effects,
-                             const std::vector<AttractionBasis>& attraction) {
+                             const std::vector<GravitationBasis>& attraction) {
   if (num_gyro_biases < 0 || num_accel_biases < 0) {
     throw InvalidInput("inertial edge: the numbers of bias blocks are " +
                        std::to_string(num_gyro_biases) + " and " +
@@ -23,7 +23,7 @@ std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
   kinds.insert(kinds.end(), static_cast<std::size_t>(num_gyro_biases), Vec<3>::kKind);
   kinds.insert(kinds.end(), static_cast<std::size_t>(num_accel_biases), Vec<3>::kKind);
   for (const ImuEffectValue& one : effects) kinds.push_back(internal::VectorKind(one.value.size()));
-  for (const AttractionBasis& one : attraction) kinds.push_back(internal::VectorKind(one.cols()));
+  for (const GravitationBasis& one : attraction) kinds.push_back(internal::VectorKind(one.cols()));
   return kinds;
 }
 
@@ -46,7 +46,7 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
                                              const Eigen::Vector3d& p_i_nominal_m,
                                              const Eigen::Vector3d& p_j_nominal_m,
                                              int num_gyro_biases, int num_accel_biases,
-                                             const std::vector<AttractionBasis>& attraction)
+                                             const std::vector<GravitationBasis>& attraction)
     : DynamicFactor(9, Kinds(num_gyro_biases, num_accel_biases, increments.linearisation.effects,
                              attraction)),
       increments_(increments),
@@ -66,9 +66,9 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
   const EarthStep earth = EarthStep::Make(frame, dt);
   const Eigen::Matrix3d W = Skew(frame.w_ie_m());
   // One gradient is used for both ends: its relative change between them is 3e-7 per metre.
-  const Eigen::Matrix3d Gamma = AttractionGradient(frame, 0.5 * (p_i_nominal_m + p_j_nominal_m));
-  const Eigen::Vector3d G_i = frame.Attraction(p_i_nominal_m) - Gamma * p_i_nominal_m;
-  const Eigen::Vector3d G_j = frame.Attraction(p_j_nominal_m) - Gamma * p_j_nominal_m;
+  const Eigen::Matrix3d Gamma = GravitationGradient(frame, 0.5 * (p_i_nominal_m + p_j_nominal_m));
+  const Eigen::Vector3d G_i = frame.Gravitation(p_i_nominal_m) - Gamma * p_i_nominal_m;
+  const Eigen::Vector3d G_j = frame.Gravitation(p_j_nominal_m) - Gamma * p_j_nominal_m;
   C_ = earth.C;
   q_C_ = Exp(Eigen::Vector3d(frame.w_ie_m() * dt));
   v_p_i_ = -W - 0.5 * dt * Gamma;
@@ -78,7 +78,7 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
   p_p_j_ = C_ * (Eigen::Matrix3d::Identity() - dt * dt / 6.0 * Gamma);
   p_0_ = earth.origin_position_m - dt * dt * (G_i / 3.0 + C_ * G_j / 6.0);
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  for (const AttractionBasis& D : attraction) {
+  for (const GravitationBasis& D : attraction) {
     attraction_.push_back({-0.5 * dt * (I + C_) * D, -dt * dt * (I / 3.0 + C_ / 6.0) * D});
   }
 }
@@ -99,15 +99,14 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
   const Mat3 R_ij = R_i_inverse * C_ * q_j.toRotationMatrix();
   const Mat3 R_C = R_i_inverse * C_;
 
-  const Vec3 d_bg =
-      SumOfBlocks(x + 6, num_gyro_biases_) - increments_.linearisation.gyro_bias_radps;
+  const Vec3 d_bg = SumBlocks(x + 6, num_gyro_biases_) - increments_.linearisation.gyro_bias_radps;
   Vec3 xi = increments_.J_q_bg * d_bg;
-  xi += ByEffects(x).head<3>();
+  xi += EffectIncrements(x).head<3>();
   const Eigen::Quaterniond dq = increments_.delta_q * Exp(xi);
   const Eigen::Quaterniond error = dq.conjugate() * Eigen::Quaterniond(R_ij);
   const Mat3 J_R = RightJacobianInverse(Log(error));
   Vec3 v_attraction = Vec3::Zero(), p_attraction = Vec3::Zero();
-  AddAttraction(x, &v_attraction, &p_attraction);
+  AddGravitation(x, &v_attraction, &p_attraction);
   const Vec3 y_v =
       R_i_inverse * (C_ * v_j - v_i + v_p_i_ * p_i + v_p_j_ * p_j + v_0_ + v_attraction);
   const Vec3 y_p =
@@ -163,7 +162,7 @@ void PreintegratedInertial::EvaluateEffectJacobians(double const* const* x,
     put(block++, J_r_e);
     column += one.value.size();
   }
-  for (const AttractionBracket& one : attraction_) {
+  for (const GravitationBracket& one : attraction_) {
     Eigen::Matrix<double, 9, Eigen::Dynamic> J_r_g(9, one.v.cols());
     J_r_g << Eigen::Matrix3Xd::Zero(3, one.v.cols()), R_i_inverse * one.v, R_i_inverse * one.p;
     put(block++, J_r_g);

@@ -37,7 +37,7 @@ void CheckVelocity(const Eigen::Vector3d& velocity_mps, const FileLocation& wher
   throw InvalidInput("velocity is " + FormatDouble(largest) + " m/s, must be below 1e5", where);
 }
 
-Eigen::Matrix3d CovarianceOfSigmasEnu(const Eigen::Vector3d& sigma_enu, const std::string& what,
+Eigen::Matrix3d EnuSigmasToCovariance(const Eigen::Vector3d& sigma_enu, const std::string& what,
                                       const FileLocation& where) {
   CheckSigmas(sigma_enu, what, "ENU", where);
   return sigma_enu.cwiseAbs2().asDiagonal();
@@ -63,7 +63,7 @@ Eigen::Matrix3d R_e_enu(const Geodetic& point) {
   return enu;
 }
 
-Eigen::Matrix3d CovarianceOfSignedRoots(const Eigen::Vector3d& sigma,
+Eigen::Matrix3d SignedRootsToCovariance(const Eigen::Vector3d& sigma,
                                         const Eigen::Vector3d& signed_roots) {
   constexpr double kMinEigenvalue = 1e-3;  // of the correlation matrix
   const Eigen::Vector3d c = signed_roots.cwiseProduct(signed_roots.cwiseAbs());

@@ -30,7 +30,7 @@ void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const st
                  const FileLocation& where);
 
 /// Returns diag(sigma^2) after CheckSigmas for the axes east, north, up.
-Eigen::Matrix3d CovarianceOfSigmasEnu(const Eigen::Vector3d& sigma_enu, const std::string& what,
+Eigen::Matrix3d EnuSigmasToCovariance(const Eigen::Vector3d& sigma_enu, const std::string& what,
                                       const FileLocation& where);
 
 /// Returns the rotation from the local east-north-up axes at a point to ECEF.
@@ -40,7 +40,7 @@ Eigen::Matrix3d R_e_enu(const Geodetic& point);
 /// 01, 12, 20 are given as signed roots sign(c) sqrt|c|. If rounding or the writing program left
 /// the matrix indefinite, it becomes positive definite by shrinking the correlations; the standard
 /// deviations stay.
-Eigen::Matrix3d CovarianceOfSignedRoots(const Eigen::Vector3d& sigma,
+Eigen::Matrix3d SignedRootsToCovariance(const Eigen::Vector3d& sigma,
                                         const Eigen::Vector3d& signed_roots);
 
 }  // namespace dn::internal

@@ -27,7 +27,7 @@ constexpr std::array<year_month_day, 18> kLeapDays{
 
 }  // namespace
 
-GpsTime GpsTimeOfCalendar(int y, int m, int d, int hour, int minute, double second) {
+GpsTime CalendarToGpsTime(int y, int m, int d, int hour, int minute, double second) {
   const year_month_day date{year{y}, month{static_cast<unsigned>(m)},
                             day{static_cast<unsigned>(d)}};
   if (!date.ok()) throw InvalidInput("there is no such date");

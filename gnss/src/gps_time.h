@@ -12,7 +12,7 @@ struct GpsTime {
 
 /// Converts a calendar date and time of day, both in GPS time. Throws InvalidInput (without a
 /// location) for a date or time of day that does not exist, and for a date before the GPS epoch.
-GpsTime GpsTimeOfCalendar(int year, int month, int day, int hour, int minute, double second);
+GpsTime CalendarToGpsTime(int year, int month, int day, int hour, int minute, double second);
 
 /// Returns GPS time minus UTC, s (leap seconds), at a UTC time that is stored as if it were GPS
 /// time. The last known leap second is that of 2017-01-01.

@@ -80,7 +80,7 @@ struct Day {
 
 Day MakeDay(int year, int month, int day, const FileLocation& where) {
   try {
-    const GpsTime time = GpsTimeOfCalendar(year, month, day, 0, 0, 0.0);
+    const GpsTime time = CalendarToGpsTime(year, month, day, 0, 0, 0.0);
     return {kWeekS * static_cast<double>(time.week) + time.tow_s};
   } catch (const InvalidInput& error) {
     throw InvalidInput(error.what(), where);

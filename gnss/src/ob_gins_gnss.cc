@@ -9,7 +9,7 @@ namespace {
 Eigen::Matrix3d NedSigmasToCovariance(const double* ned, const std::string& what,
                                       const FileLocation& where) {
   CheckSigmas(Eigen::Vector3d(ned), what, "NED", where);
-  return CovarianceOfSigmasEnu({ned[1], ned[0], ned[2]}, what, where);
+  return EnuSigmasToCovariance({ned[1], ned[0], ned[2]}, what, where);
 }
 
 }  // namespace

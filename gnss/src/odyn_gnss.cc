@@ -42,13 +42,13 @@ GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
     epoch.antenna = columns.position.Read(row + 1, where);
     epoch.line = table.lines[i];
     if (layout.sigma > 0) {
-      epoch.covariance_enu_m2 = CovarianceOfSigmasEnu(triple(layout.sigma), "position", where);
+      epoch.covariance_enu_m2 = EnuSigmasToCovariance(triple(layout.sigma), "position", where);
     }
     if (layout.velocity > 0) {
       epoch.velocity_enu_mps = triple(layout.velocity);
       CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu =
-          CovarianceOfSigmasEnu(triple(layout.velocity_sigma), "velocity", where);
+          EnuSigmasToCovariance(triple(layout.velocity_sigma), "velocity", where);
     }
     TurnToTrueNorth(columns, &epoch);
     data.epochs.push_back(epoch);

@@ -128,7 +128,7 @@ GpsTime ParseTime(std::string_view first, std::string_view second, const FileLoc
     return static_cast<int>(ParseInteger(text, where));
   };
   try {
-    return GpsTimeOfCalendar(integer(date[0]), integer(date[1]), integer(date[2]), integer(time[0]),
+    return CalendarToGpsTime(integer(date[0]), integer(date[1]), integer(date[2]), integer(time[0]),
                              integer(time[1]), ParseNumber(time[2], where));
   } catch (const InvalidInput& e) {
     if (e.where().line > 0) throw;
@@ -272,7 +272,7 @@ Eigen::Matrix3d Covariance(const Row& row, const Names& names, const std::string
   CheckSigmas(sigma, what, names.axes, where);
   const Eigen::Vector3d roots =
       row.Has(names.signed_root) ? row.Triple(names.signed_root) : Eigen::Vector3d(0.0, 0.0, 0.0);
-  return CovarianceOfSignedRoots(sigma, roots);
+  return SignedRootsToCovariance(sigma, roots);
 }
 
 GnssEpoch MakeEpoch(const Row& row, const FileLocation& where) {

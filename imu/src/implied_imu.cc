@@ -20,7 +20,7 @@ ImuSample Between(const LocalFrame& frame, const EarthStep& step, const MapPose&
   const Eigen::Vector3d dv_m =
       step.C * (j.v_m + w_m.cross(j.p_mb)) - (i.v_m + w_m.cross(i.p_mb)) +
       step.origin_velocity_mps -
-      0.5 * step.dt_s * (frame.Attraction(i.p_mb) + step.C * frame.Attraction(j.p_mb));
+      0.5 * step.dt_s * (frame.Gravitation(i.p_mb) + step.C * frame.Gravitation(j.p_mb));
   return {j.t_s, step.dt_s, phi / step.dt_s,
           RightJacobianInverse(-phi) * (R_bm * dv_m) / step.dt_s};
 }

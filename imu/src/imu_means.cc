@@ -51,7 +51,7 @@ class Joiner {
 
 }  // namespace
 
-ImuData MeansOver(const ImuData& imu, double longest_s) {
+ImuData AverageSamples(const ImuData& imu, double longest_s) {
   ImuData means;
   means.samples = Joiner(imu, longest_s).Run();
   means.nominal_dt_s = std::max(imu.nominal_dt_s, longest_s);

@@ -120,14 +120,14 @@ void NoiseCheckOptions::Validate() const {
   expect(spread_decades > 0.0, "spread_decades", spread_decades, "positive");
 }
 
-NoiseAccount BestAccount(const NoiseEvidence& evidence) {
+NoiseHypothesis BestHypothesis(const NoiseEvidence& evidence) {
   // If several are equal, max_element returns the first one, which is the simplest.
   const std::array<double, 5> all{0.0, BestScale(evidence), evidence.window,
                                   evidence.window_and_scale, BestNotWhite(evidence)};
-  return static_cast<NoiseAccount>(std::max_element(all.begin(), all.end()) - all.begin());
+  return static_cast<NoiseHypothesis>(std::max_element(all.begin(), all.end()) - all.begin());
 }
 
-NoiseCauses CausesOf(const NoiseEvidence& evidence) {
+NoiseCauses NoiseCauseEvidence(const NoiseEvidence& evidence) {
   const double both = evidence.window_and_scale;
   NoiseCauses causes;
   causes.window = std::max(evidence.window, both) - BestScale(evidence);
@@ -158,16 +158,16 @@ NoiseCheck CheckNoise(const HighBand& band, const NoiseCheckOptions& options) {
     any = true;
     const TriadCheck one(band, triad, sums[triad]);
     check.level[triad] = one.Level();
-    check.evidence.scale[triad] = EvidenceOfLevel(one.Whole(), prior);
-    check.evidence.coloured[triad] = EvidenceOfDifferentLevels(one.ByBand(), prior);
-    check.evidence.unsteady[triad] = EvidenceOfDifferentLevels(one.ByTime(group), prior);
+    check.evidence.scale[triad] = LevelEvidence(one.Whole(), prior);
+    check.evidence.coloured[triad] = DifferentLevelsEvidence(one.ByBand(), prior);
+    check.evidence.unsteady[triad] = DifferentLevelsEvidence(one.ByTime(group), prior);
   }
   if (!any) return check;
   const WindowScan window(band, options, sums, false, group);
   check.window = window.Likeliest();
   check.evidence.window = window.Evidence();
   const WindowScan beside(band, options, sums, true, group);
-  check.window_beside_scale = beside.Likeliest();
+  check.window_with_scale = beside.Likeliest();
   check.evidence.window_and_scale = beside.Evidence();
   return check;
 }

@@ -58,17 +58,17 @@ double RatioPrior::Log(double u, double variance) const {
   LogSum sum;
   for (std::size_t g = 0; g < SizePrior::kSizes; ++g) {
     sum.Add(std::log(SizePrior::kProbability[g]) +
-            LogNormal(u, std::pow(sigma_ * SizePrior::kTimesUsual[g], 2) + variance));
+            LogNormal(u, std::pow(sigma_ * SizePrior::kTimesTypical[g], 2) + variance));
   }
   return sum.Value();
 }
 
-double EvidenceOfLevel(const LogLevel& level, const RatioPrior& prior) {
+double LevelEvidence(const LogLevel& level, const RatioPrior& prior) {
   return level.log_likelihood + prior.Log(level.u, level.variance) +
          0.5 * std::log(2.0 * std::numbers::pi * level.variance);
 }
 
-double EvidenceOfDifferentLevels(const std::vector<LogLevel>& levels, const RatioPrior& prior) {
+double DifferentLevelsEvidence(const std::vector<LogLevel>& levels, const RatioPrior& prior) {
   if (levels.empty()) return 0.0;
   LogSum sum;
   for (const double spread : kSpreads) {

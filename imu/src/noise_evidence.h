@@ -48,10 +48,10 @@ class RatioPrior {
 };
 
 /// Returns the evidence of one common level, relative to the assumed level.
-double EvidenceOfLevel(const LogLevel& level, const RatioPrior& prior);
+double LevelEvidence(const LogLevel& level, const RatioPrior& prior);
 
 /// Returns the evidence of levels that scatter about a common level with an unknown spread.
-double EvidenceOfDifferentLevels(const std::vector<LogLevel>& levels, const RatioPrior& prior);
+double DifferentLevelsEvidence(const std::vector<LogLevel>& levels, const RatioPrior& prior);
 
 /// White noise in addition to that of one triad. Its variance theta is in units of the assumed one.
 class Addition {

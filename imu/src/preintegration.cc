@@ -555,7 +555,7 @@ class SampleWalk {
 
 }  // namespace
 
-class GrowingIncrements::Impl {
+class IncrementalPreintegrator::Impl {
  public:
   Impl(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
        const PreintegrationNoise& noise)
@@ -593,7 +593,7 @@ class GrowingIncrements::Impl {
   internal::BridgeCursor bridges_;
 };
 
-class GrowingMotion::Impl {
+class IncrementalMotionIntegrator::Impl {
  public:
   Impl(const ImuData& imu, double t_begin_s, const ImuCorrection& correction)
       : walk_(imu, t_begin_s, correction) {}
@@ -613,30 +613,31 @@ class GrowingMotion::Impl {
   MotionIntegrator integrator_;
 };
 
-GrowingIncrements::GrowingIncrements(const ImuData& imu, double t_begin_s,
-                                     const ImuCorrection& correction,
-                                     const PreintegrationNoise& noise)
+IncrementalPreintegrator::IncrementalPreintegrator(const ImuData& imu, double t_begin_s,
+                                                   const ImuCorrection& correction,
+                                                   const PreintegrationNoise& noise)
     : impl_(std::make_unique<Impl>(imu, t_begin_s, correction, noise)) {}
 
-GrowingIncrements::~GrowingIncrements() = default;
+IncrementalPreintegrator::~IncrementalPreintegrator() = default;
 
-Preintegrated GrowingIncrements::To(double t_end_s) { return impl_->To(t_end_s); }
+Preintegrated IncrementalPreintegrator::To(double t_end_s) { return impl_->To(t_end_s); }
 
 Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
                            const ImuCorrection& correction, const PreintegrationNoise& noise) {
-  return GrowingIncrements(imu, t_begin_s, correction, noise).To(t_end_s);
+  return IncrementalPreintegrator(imu, t_begin_s, correction, noise).To(t_end_s);
 }
 
-GrowingMotion::GrowingMotion(const ImuData& imu, double t_begin_s, const ImuCorrection& correction)
+IncrementalMotionIntegrator::IncrementalMotionIntegrator(const ImuData& imu, double t_begin_s,
+                                                         const ImuCorrection& correction)
     : impl_(std::make_unique<Impl>(imu, t_begin_s, correction)) {}
 
-GrowingMotion::~GrowingMotion() = default;
+IncrementalMotionIntegrator::~IncrementalMotionIntegrator() = default;
 
-InertialIncrements GrowingMotion::To(double t_end_s) { return impl_->To(t_end_s); }
+InertialIncrements IncrementalMotionIntegrator::To(double t_end_s) { return impl_->To(t_end_s); }
 
 InertialIncrements IntegrateMotion(const ImuData& imu, double t_begin_s, double t_end_s,
                                    const ImuCorrection& correction) {
-  return GrowingMotion(imu, t_begin_s, correction).To(t_end_s);
+  return IncrementalMotionIntegrator(imu, t_begin_s, correction).To(t_end_s);
 }
 
 Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& correction) {

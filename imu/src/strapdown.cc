@@ -44,13 +44,13 @@ EarthStep EarthStep::Make(const LocalFrame& frame, double dt_s) {
   return step;
 }
 
-Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3d& p_m) {
+Eigen::Matrix3d GravitationGradient(const LocalFrame& frame, const Eigen::Vector3d& p_m) {
   constexpr double kStep_m = 500.0;
   Eigen::Matrix3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
     gradient.col(axis) =
-        (frame.Attraction(p_m + step) - frame.Attraction(p_m - step)) / (2.0 * kStep_m);
+        (frame.Gravitation(p_m + step) - frame.Gravitation(p_m - step)) / (2.0 * kStep_m);
   }
   return gradient;
 }
@@ -60,7 +60,7 @@ Propagation::Propagation(const LocalFrame& frame, const MapPose& start,
     : frame_(frame),
       start_(start),
       added_mps2_(added_mps2),
-      G_begin_(frame.Attraction(start.p_mb) + added_mps2) {}
+      G_begin_(frame.Gravitation(start.p_mb) + added_mps2) {}
 
 MapPose Propagation::To(const InertialIncrements& increments) const {
   const double dt = increments.dt_s();
@@ -72,7 +72,7 @@ MapPose Propagation::To(const InertialIncrements& increments) const {
       C_inverse *
       (start_.p_mb + (start_.v_m + w.cross(start_.p_mb)) * dt - earth.origin_position_m +
        0.5 * dt * dt * G_begin_ + start_.q_mb * increments.delta_p);
-  const Eigen::Vector3d G_end = frame_.Attraction(predicted) + added_mps2_;
+  const Eigen::Vector3d G_end = frame_.Gravitation(predicted) + added_mps2_;
 
   MapPose end;
   end.t_s = increments.t_end_s;
@@ -96,8 +96,8 @@ AffineStep AffineStep::Make(const LocalFrame& frame, double dt_s,
   const Eigen::Matrix3d C_inverse = earth.C.transpose();
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d W = Skew(frame.w_ie_m());
-  const Eigen::Matrix3d Gamma = AttractionGradient(frame, p_nominal_m);
-  const Eigen::Vector3d G_0 = frame.Attraction(p_nominal_m) - Gamma * p_nominal_m;
+  const Eigen::Matrix3d Gamma = GravitationGradient(frame, p_nominal_m);
+  const Eigen::Vector3d G_0 = frame.Gravitation(p_nominal_m) - Gamma * p_nominal_m;
 
   // Position predicted with the gravitation at the beginning, C^T z; Propagate has the same
   // iteration.

@@ -39,7 +39,7 @@ double Density(const std::vector<ImuSample>& rows, std::size_t first, std::size_
 
 }  // namespace
 
-WhiteRows WhiteNoiseOfRows(const ImuData& imu) {
+WhiteNoiseDensities EstimateWhiteNoise(const ImuData& imu) {
   const std::vector<ImuSample> rows = OwnRows(imu.samples);
   std::vector<double> gyro, accel;
   for (std::size_t first = 0, last = 0; first < rows.size(); first = last) {

@@ -46,14 +46,14 @@ bool WindowScan::AddOutside(const CellSpan& span, ImuTriad triad, Case* one) con
   if (outside.dof < kLeastOutside * sums_[triad].All().dof) return false;
   const double base = outside.Variance();
   const double of_inside = inside.dof > 0.0 ? LogLikelihood(inside, base) : 0.0;
-  one->evidence += EvidenceOfLevel(levels_[triad].Of(outside), prior_) + of_inside;
+  one->evidence += LevelEvidence(levels_[triad].Of(outside), prior_) + of_inside;
   one->log_likelihood += LogLikelihood(outside, base) + of_inside;
   one->base[triad] = base;
   inside.sum /= base;
   return true;
 }
 
-std::optional<WindowScan::Case> WindowScan::CaseOf(const CellSpan& span) const {
+std::optional<WindowScan::Case> WindowScan::EvaluateSpan(const CellSpan& span) const {
   Case one;
   for (const ImuTriad triad : kBothTriads) {
     one.inside[triad] = sums_[triad].Inside(span);
@@ -81,7 +81,7 @@ void WindowScan::SeeAll() {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t k = i + 1; k < edges.size(); ++k) {
       const CellSpan span{edges[i], edges[k]};
-      const std::optional<Case> one = CaseOf(span);
+      const std::optional<Case> one = EvaluateSpan(span);
       if (!one) continue;
       See(span, *one, weight, &groups);
       coarse.emplace_back(span, *one);
@@ -101,7 +101,7 @@ void WindowScan::SeeNear(const CellSpan& about) {
     for (const std::size_t past : Around(about.past)) {
       if (first >= past) continue;
       const CellSpan span{first, past};
-      if (const std::optional<Case> one = CaseOf(span)) See(span, *one, 1.0, &seen_);
+      if (const std::optional<Case> one = EvaluateSpan(span)) See(span, *one, 1.0, &seen_);
     }
   }
 }
@@ -112,7 +112,7 @@ std::vector<std::size_t> WindowScan::Around(std::size_t edge) const {
 }
 
 double WindowScan::Evidence() const {
-  return seen_.weight > 0.0 ? seen_.sum.Value() - std::log(seen_.weight) : kNever;
+  return seen_.weight > 0.0 ? seen_.sum.Value() - std::log(seen_.weight) : kLogZero;
 }
 
 void WindowScan::AddTriad(const Case& one, ImuTriad triad, NoiseWindow* window) const {
@@ -141,16 +141,16 @@ WindowScan::Case WindowScan::WithoutEnds(const CellSpan& span, const Case& one) 
 std::optional<NoiseWindow> WindowScan::Likeliest() const {
   if (!(seen_.weight > 0.0)) return std::nullopt;
   const CellSpan& span = seen_.likeliest;
-  const Case one = *CaseOf(span);
+  const Case one = *EvaluateSpan(span);
   NoiseWindow window;
   window.t0_s = band_.windows[span.first].t0_s;
   window.t1_s = band_.windows[span.past - 1].t1_s;
   window.log_likelihood = one.log_likelihood;
-  window.log_likelihood_over_flight = one.log_likelihood;
+  window.log_likelihood_against_scale = one.log_likelihood;
   const Case of_size = WithoutEnds(span, one);
   for (const ImuTriad triad : kBothTriads) {
     if (IsUsable(triad)) {
-      window.log_likelihood_over_flight -= levels_[triad].Of(sums_[triad].All()).log_likelihood;
+      window.log_likelihood_against_scale -= levels_[triad].Of(sums_[triad].All()).log_likelihood;
     }
     if (of_size.inside[triad].dof > 0.0) AddTriad(of_size, triad, &window);
   }

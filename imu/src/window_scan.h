@@ -64,13 +64,13 @@ class WindowScan {
   struct Seen {
     LogSum sum;
     double weight = 0.0;
-    double best = kNever;
+    double best = kLogZero;
     CellSpan likeliest;
   };
 
   bool IsUsable(ImuTriad triad) const { return sums_[triad].All().dof > 0.0; }
   /// Returns nullopt if too little data outside the window are left to estimate a level.
-  std::optional<Case> CaseOf(const CellSpan& span) const;
+  std::optional<Case> EvaluateSpan(const CellSpan& span) const;
   // Adds the noise outside the window to the case. Returns false if too little data are outside.
   bool AddOutside(const CellSpan& span, ImuTriad triad, Case* one) const;
   // Adds one case to the sum.

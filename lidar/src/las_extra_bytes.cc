@@ -20,7 +20,7 @@ ExtraDimension ParseDescriptor(const char* bytes) {
     dimension.bytes = static_cast<std::size_t>(options);
     return dimension;
   }
-  dimension.bytes = BytesOfType(dimension.type);
+  dimension.bytes = ExtraTypeBytes(dimension.type);
   if ((options & kHasScale) != 0) dimension.scale = LoadLittleEndian<double>(bytes + kScaleAt);
   if ((options & kHasOffset) != 0) dimension.offset = LoadLittleEndian<double>(bytes + kOffsetAt);
   return dimension;
@@ -53,7 +53,7 @@ double RawValue(int type, const char* bytes) {
 
 }  // namespace
 
-std::size_t BytesOfType(int type) {
+std::size_t ExtraTypeBytes(int type) {
   constexpr std::array<std::size_t, 11> kBytes{0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   if (type < 1 || type > 30) return 0;
   // Older versions had pairs and triples.
@@ -117,7 +117,7 @@ std::string FormatExtraBytes(const std::string& descriptors) {
   return FormatVlr("LASF_Spec", las::kExtraBytesId, "Extra Bytes", descriptors);
 }
 
-double ValueOf(const ExtraDimension& dimension, const char* record) {
+double BlockValue(const ExtraDimension& dimension, const char* record) {
   return RawValue(dimension.type, record + dimension.at) * dimension.scale + dimension.offset;
 }
 

@@ -22,7 +22,7 @@ constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMostRecords = 10000;
 constexpr double kMostScaleM = 1e3;
 constexpr double kMostOffsetM = 1e9;
-constexpr double kMostAngleDeg = 180.0;
+constexpr double kMaxAngleDeg = 180.0;
 
 // Record lengths of point formats 0 to 10, in bytes.
 constexpr std::array<std::size_t, 11> kFormatBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
@@ -244,7 +244,7 @@ class LasFileReader {
     for (int i = 0; i < 3; ++i) {
       deg[i] = Number<double>(vlr.at + las::kVlrHeaderBytes + static_cast<std::size_t>(8 * i));
     }
-    if (!(deg.cwiseAbs().maxCoeff() <= kMostAngleDeg) || !deg.allFinite()) {
+    if (!(deg.cwiseAbs().maxCoeff() <= kMaxAngleDeg) || !deg.allFinite()) {
       Fail("the record of the boresight (dn, 1) has an angle beyond 180 deg" + remedy);
     }
     las_.boresight_rad = deg * kRadPerDeg;

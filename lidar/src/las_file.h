@@ -93,7 +93,7 @@ std::uint8_t ClassOf(const LasFile& las, const char* record);
 LasFile ReadLasFile(const std::filesystem::path& file);
 
 /// Returns the length of a value of this type; 0 if the type does not exist.
-std::size_t BytesOfType(int type);
+std::size_t ExtraTypeBytes(int type);
 
 /// Parses the attributes that the record "extra bytes" describes, which follow `base_bytes` bytes
 /// of the standard part. Throws InvalidInput at `where` if they do not fit into the record.
@@ -113,7 +113,7 @@ std::string FormatVlr(std::string_view user, std::uint16_t id, std::string_view 
 std::string FormatExtraBytes(const std::string& descriptors);
 
 /// Returns the value of an attribute that consists of a single number.
-double ValueOf(const ExtraDimension& dimension, const char* record);
+double BlockValue(const ExtraDimension& dimension, const char* record);
 
 /// Parses GeoTIFF keys, the contents of the records 34735 and 34737. Throws InvalidInput at `where`
 /// for a bad directory or units other than metres.

@@ -70,8 +70,8 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
   chunk->classification.push_back(ClassOf(las_, record));
   if (las_.time_at) chunk->t_s.push_back(Time(index, record));
   if (!has_vectors()) return;
-  const Eigen::Vector3d u_s(ValueOf(*vector_[0], record), ValueOf(*vector_[1], record),
-                            ValueOf(*vector_[2], record));
+  const Eigen::Vector3d u_s(BlockValue(*vector_[0], record), BlockValue(*vector_[1], record),
+                            BlockValue(*vector_[2], record));
   try {
     CheckLaserVector(u_s, Where());
   } catch (const InvalidInput& e) {

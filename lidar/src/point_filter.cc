@@ -2,7 +2,7 @@
 
 namespace dn {
 
-const char* WhyDropped(const PointFilter& filter, const StripCloud& points, std::size_t i) {
+const char* DropReason(const PointFilter& filter, const StripCloud& points, std::size_t i) {
   if (filter.last_returns && !points.returns_after.empty() && points.returns_after[i] > 0) {
     return "not the last return of its pulse";
   }

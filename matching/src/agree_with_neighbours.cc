@@ -34,7 +34,7 @@ Vector3d FitByHuber(const Eigen::MatrixX3d& A, const Eigen::VectorXd& value,
     const Eigen::MatrixX3d weighted = weight.asDiagonal() * A;
     x = (weighted.transpose() * A).ldlt().solve(weighted.transpose() * value);
     const Eigen::ArrayXd size = ((value - A * x).array() / sigma.array()).abs();
-    const double scale = kSigmaOfMedian * Median({size.begin(), size.end()});
+    const double scale = kSigmaPerMedian * Median({size.begin(), size.end()});
     if (!(scale > 0.0)) break;
     weight = (kHuberOfTrend * scale / size.max(kHuberOfTrend * scale)) / sigma.array().square();
   }
@@ -69,7 +69,7 @@ std::vector<PlacedShift> WithoutTrend(std::vector<PlacedShift> shifts) {
 }
 
 /// Returns the median of the shifts of the nearest neighbours, per axis.
-Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
+Vector3d NeighbourMedian(std::size_t i, const std::vector<PlacedShift>& shifts) {
   std::vector<std::size_t> others(shifts.size());
   std::iota(others.begin(), others.end(), std::size_t{0});
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
@@ -94,14 +94,14 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   const std::vector<PlacedShift> shifts = WithoutTrend(given);
   std::vector<Vector3d> left(shifts.size());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
-    left[i] = (shifts[i].shift_m - NeighboursOf(i, shifts)).array() /
+    left[i] = (shifts[i].shift_m - NeighbourMedian(i, shifts)).array() /
               shifts[i].covariance_m2.diagonal().array().sqrt();
   }
   double variance = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
-    const double scale = std::max(1.0, kSigmaOfMedian * Median(sizes));
+    const double scale = std::max(1.0, kSigmaPerMedian * Median(sizes));
     variance += scale * scale / 3.0 / kWithMedian;
 
     for (std::size_t i = 0; i < shifts.size(); ++i) {

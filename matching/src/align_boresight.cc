@@ -1,5 +1,5 @@
-#include <dn/rotation.h>
 #include <dn/fixed_trajectory/gauss_helmert.h>
+#include <dn/rotation.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -24,8 +24,8 @@ struct Line {
   Matrix3d A;
 };
 
-GaussHelmertEnd EndOf(const FlightMatchSource& source, double t_s, const Vector3d& u_s,
-                      const MatchOptions& options) {
+GaussHelmertEnd MakeCoarseEnd(const FlightMatchSource& source, double t_s, const Vector3d& u_s,
+                              const MatchOptions& options) {
   const MapPose pose = source.PoseAt(t_s);
   GaussHelmertEnd end;
   end.t_s = t_s;
@@ -38,14 +38,15 @@ GaussHelmertEnd EndOf(const FlightMatchSource& source, double t_s, const Vector3
   return end;
 }
 
-GaussHelmertProblem ProblemOf(const std::vector<CoarsePair>& pairs, double sigma_m,
-                              const MatchOptions& options, const FlightMatchSource& source) {
+GaussHelmertProblem MakeCoarseProblem(const std::vector<CoarsePair>& pairs, double sigma_m,
+                                      const MatchOptions& options,
+                                      const FlightMatchSource& source) {
   GaussHelmertProblem problem;
   problem.lever_arm_b_m = source.mounting().lever_arm_b_m;
   problem.boresight_rad = source.mounting().boresight_rad;
   for (const CoarsePair& pair : pairs) {
-    problem.pairs.push_back({EndOf(source, pair.t_i_s, pair.x_i, options),
-                             EndOf(source, pair.t_j_s, pair.x_j, options),
+    problem.pairs.push_back({MakeCoarseEnd(source, pair.t_i_s, pair.x_i, options),
+                             MakeCoarseEnd(source, pair.t_j_s, pair.x_j, options),
                              sigma_m * sigma_m * Matrix3d::Identity()});
   }
   return problem;
@@ -106,7 +107,7 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
   AlignmentFit fit;
   if (pairs.size() < kFewestPairs) return fit;
   const double sigma_m = 0.3 * tolerance_m;
-  GaussHelmertProblem problem = ProblemOf(pairs, sigma_m, options, *source);
+  GaussHelmertProblem problem = MakeCoarseProblem(pairs, sigma_m, options, *source);
   const std::vector<std::size_t> which =
       LargestConsensus(Linearise(problem, problem.boresight_rad), tolerance_m, options);
   fit.agreeing = which.size();

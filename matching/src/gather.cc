@@ -27,7 +27,8 @@ class DiscIndex {
     cells_.resize(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()));
     for (std::size_t i = 0; i < discs.size(); ++i) {
       const Vector2d r = Vector2d::Constant(discs[i].radius_m);
-      const Vector2i from = CellOf(discs[i].centre_en_m - r), to = CellOf(discs[i].centre_en_m + r);
+      const Vector2i from = CellIndex(discs[i].centre_en_m - r),
+                     to = CellIndex(discs[i].centre_en_m + r);
       for (int y = from.y(); y <= to.y(); ++y) {
         for (int x = from.x(); x <= to.x(); ++x) {
           if (Has({x, y})) cells_[Index({x, y})].push_back(i);
@@ -38,7 +39,7 @@ class DiscIndex {
 
   template <class Found>
   void ForEachAt(const Vector2d& en_m, const Found& found) const {
-    const Vector2i cell = CellOf(en_m);
+    const Vector2i cell = CellIndex(en_m);
     if (!Has(cell)) return;
     for (const std::size_t i : cells_[Index(cell)]) {
       const double radius_m = discs_[i].radius_m;
@@ -47,7 +48,7 @@ class DiscIndex {
   }
 
  private:
-  Vector2i CellOf(const Vector2d& en_m) const {
+  Vector2i CellIndex(const Vector2d& en_m) const {
     return ((en_m - low_) / cell_m_).array().floor().cast<int>();
   }
   bool Has(const Vector2i& c) const {

@@ -64,7 +64,7 @@ Difference DifferenceAt(const HeightRaster& b, const std::vector<Sample>& piece,
   return out;
 }
 
-std::vector<Sample> PieceOf(const HeightRaster& a, const Vector2i& centre, int half) {
+std::vector<Sample> SamplePiece(const HeightRaster& a, const Vector2i& centre, int half) {
   const int step = std::max(1, (2 * half + 1 + kMostSamplesAcross - 1) / kMostSamplesAcross);
   std::vector<Sample> piece;
   std::size_t cells = 0;
@@ -90,7 +90,7 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& poi
   raster.z_m.assign(grid.cells(), std::numeric_limits<float>::quiet_NaN());
   raster.point.assign(grid.cells(), -1);
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    const Vector2i cell = grid.CellOf(points_m[i].head<2>());
+    const Vector2i cell = grid.CellIndex(points_m[i].head<2>());
     if (!grid.Has(cell.x(), cell.y())) continue;
     const std::size_t k = grid.Index(cell.x(), cell.y());
     const auto z_m = static_cast<float>(points_m[i].z());
@@ -104,7 +104,7 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& poi
 
 std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
                                   const Vector2i& centre, int half, int search) {
-  const std::vector<Sample> piece = PieceOf(a, centre, half);
+  const std::vector<Sample> piece = SamplePiece(a, centre, half);
   if (piece.empty()) return std::nullopt;
   const int across = 2 * search + 1;
   std::vector<Difference> all(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));

@@ -21,7 +21,7 @@ struct RasterGrid {
   std::size_t Index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(x);
   }
-  Eigen::Vector2i CellOf(const Eigen::Vector2d& en_m) const {
+  Eigen::Vector2i CellIndex(const Eigen::Vector2d& en_m) const {
     return ((en_m - origin_en_m) / cell_m).array().floor().cast<int>();
   }
   Eigen::Vector2d Centre(int x, int y) const {

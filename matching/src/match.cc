@@ -85,7 +85,7 @@ std::size_t CellsWithPoints(const std::vector<Vector3d>& p_m, double cell_m) {
   return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
 }
 
-double GsdOfDensity(const MatchSource& source, int threads) {
+double GsdFromDensity(const MatchSource& source, int threads) {
   // The density follows from the number of occupied cells. The grid must be so coarse that most
   // cells inside the strip contain points.
   constexpr double kFirstCell_m = 1.0;
@@ -108,7 +108,7 @@ struct Box {
   Vector2d high = Vector2d::Constant(-std::numeric_limits<double>::infinity());
 };
 
-Box BoxOf(const StripSample& sample) {
+Box BoundingBox(const StripSample& sample) {
   Box box;
   for (const Vector3d& p_m : sample.p_m) {
     box.low = box.low.cwiseMin(p_m.head<2>());
@@ -121,7 +121,7 @@ Box BoxOf(const StripSample& sample) {
 /// there is no such part.
 std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b, double cell_m,
                                      double margin_m) {
-  const Box box_a = BoxOf(a), box_b = BoxOf(b);
+  const Box box_a = BoundingBox(a), box_b = BoundingBox(b);
   const Vector2d margin = Vector2d::Constant(margin_m);
   const Vector2d low = box_a.low.cwiseMax(box_b.low - margin) - margin;
   const Vector2d high = box_a.high.cwiseMin(box_b.high + margin) + margin;
@@ -203,7 +203,7 @@ class Matcher {
 
   double ChooseGsd() const {
     Tell("density of strip " + source_.strips().front().name);
-    const double spacing_m = GsdOfDensity(source_, options_.threads);
+    const double spacing_m = GsdFromDensity(source_, options_.threads);
     const double gsd_m = options_.gsd_m.value_or(spacing_m);
     if (gsd_m >= kLeastShareOfSpacing * spacing_m) return gsd_m;
     throw InvalidConfig(
@@ -295,7 +295,7 @@ class Matcher {
     const auto at =
         static_cast<std::size_t>(raster_a.point[raster_a.grid.Index(centre.x(), centre.y())]);
     const Vector3d target_m = a.p_m[at] + shift_m;
-    const Vector2i cell = raster_b.grid.CellOf(target_m.head<2>());
+    const Vector2i cell = raster_b.grid.CellIndex(target_m.head<2>());
     if (!raster_b.grid.Has(cell.x(), cell.y())) return;
     const std::int32_t nearest = raster_b.point[raster_b.grid.Index(cell.x(), cell.y())];
     if (nearest < 0) return;
@@ -390,7 +390,7 @@ class Matcher {
     return {smallest, 2 * smallest};
   }
 
-  double RadiusOf(const Patch& patch) const { return patch.half_cells * BaseCell(); }
+  double PatchRadius(const Patch& patch) const { return patch.half_cells * BaseCell(); }
 
   double KeepShare(std::size_t strip, double radius_m) const {
     const double points = samples_[strip].point_density_m2 * std::numbers::pi * radius_m * radius_m;
@@ -403,7 +403,7 @@ class Matcher {
     std::vector<Disc> discs_a, discs_b;
     for (std::size_t k = first; k < past; ++k) {
       const Work& w = (*work)[k];
-      const double radius_m = RadiusOf(w.patch);
+      const double radius_m = PatchRadius(w.patch);
       discs_a.push_back({w.centre_en_m, radius_m, KeepShare(i, radius_m)});
       const double keep_share = KeepShare(j, radius_m);
       const double reach_m = kReach_gsd * result_.gsd_m / std::sqrt(keep_share);
@@ -480,7 +480,7 @@ class Matcher {
     return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
   }
 
-  Swath SwathOf(std::size_t strip) const {
+  Swath MakeSwath(std::size_t strip) const {
     Swath swath{source_.strips()[strip].name, {}, {}};
     SwathOutline outline;
     const StripSample& sample = samples_[strip];
@@ -488,14 +488,14 @@ class Matcher {
     swath.outline_en_m = outline.Corners();
     const StripCounts& counts = result_.strips[strip];
     for (const double t_s : EvenTimes(counts.t_begin_s, counts.t_end_s, kPosesOfLine)) {
-      const std::optional<Vector3d> place_m = source_.PlaceOfBody(t_s);
+      const std::optional<Vector3d> place_m = source_.BodyPosition(t_s);
       if (place_m) swath.line_en_m.emplace_back(place_m->head<2>());
     }
     return swath;
   }
 
   void Finish() {
-    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(SwathOf(s));
+    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(MakeSwath(s));
     result_.variance_factor = VarianceFactor();
     for (std::size_t k = 0; k < registered_.size(); ++k) TakeDetermined(k);
     AlignAll();

@@ -59,8 +59,8 @@ struct Differences {
 
   Json ToJson() const {
     if (before_m.empty()) return nullptr;
-    return {{"before", MisalignmentJson(MisalignmentOf(before_m))},
-            {"after", MisalignmentJson(MisalignmentOf(after_m))}};
+    return {{"before", MisalignmentJson(ComputeMisalignment(before_m))},
+            {"after", MisalignmentJson(ComputeMisalignment(after_m))}};
   }
 };
 
@@ -85,14 +85,14 @@ Json StripPairJson(const StripPairMatch& match, const MatchSource& source) {
             {"registered", match.registered},
             {"pairs", match.pairs.size()}}},
           {"variance_factor", match.variance_factor},
-          {"evenness", EvennessOf(match.pairs, match.overlap_m2)},
+          {"evenness", ComputeEvenness(match.pairs, match.overlap_m2)},
           {"sigma_3d_median_m", match.pairs.empty() ? Json() : Json(MedianSigma(match))},
           {"misalignment", differences.ToJson()}};
 }
 
 }  // namespace
 
-Misalignment MisalignmentOf(const std::vector<Vector3d>& differences_m) {
+Misalignment ComputeMisalignment(const std::vector<Vector3d>& differences_m) {
   Misalignment out;
   std::vector<double> norms;
   Vector2d directions = Vector2d::Zero();
@@ -118,7 +118,7 @@ Misalignment MisalignmentOf(const std::vector<Vector3d>& differences_m) {
   return out;
 }
 
-double EvennessOf(const std::vector<MatchedPair>& pairs, double area_m2) {
+double ComputeEvenness(const std::vector<MatchedPair>& pairs, double area_m2) {
   if (pairs.size() < 2 || !(area_m2 > 0.0)) return 0.0;
   double sum_m = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

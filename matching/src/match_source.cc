@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 /// Returns whether a point belongs to the strip.
-bool IsOf(const MatchStrip& wanted, const std::vector<std::uint16_t>& source, std::size_t i) {
+bool BelongsTo(const MatchStrip& wanted, const std::vector<std::uint16_t>& source, std::size_t i) {
   return !wanted.source || (!source.empty() && source[i] == *wanted.source);
 }
 
@@ -69,7 +69,7 @@ StripCounts FlightMatchSource::Read(std::size_t strip,
                       [&](const LaserVectors& vectors) {
                         kept.Clear();
                         for (std::size_t i = 0; i < vectors.size(); ++i) {
-                          if (IsOf(wanted, vectors.source, i)) {
+                          if (BelongsTo(wanted, vectors.source, i)) {
                             kept.Add(vectors.t_s[i], vectors.u_s[i]);
                           }
                         }
@@ -109,8 +109,8 @@ StripCounts BareMatchSource::Read(std::size_t strip,
     for (StripCloud points; reader->Next(&points);) {
       kept.Clear();
       for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!IsOf(wanted, points.source, i)) continue;
-        if (const char* reason = WhyDropped(filter_, points, i)) {
+        if (!BelongsTo(wanted, points.source, i)) continue;
+        if (const char* reason = DropReason(filter_, points, i)) {
           ++counts.dropped[reason];
         } else {
           kept.Add(points.t_s.empty() ? 0.0 : points.t_s[i], points.p_c[i] - origin_c_m_);

@@ -40,7 +40,8 @@ struct FlatPoints {
   pcl::PointCloud<pcl::Normal>::Ptr normals = pcl::make_shared<pcl::PointCloud<pcl::Normal>>();
 };
 
-FlatPoints FindFlat(const std::vector<Vector3d>& points_m, const PlanarRegionOptions& options) {
+FlatPoints FindPlateauUnknown(const std::vector<Vector3d>& points_m,
+                              const PlanarRegionOptions& options) {
   Indices all(points_m.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   const std::vector<LocalPlane> planes = FitLocalPlanes(points_m, all, options.normal_radius_m);
@@ -176,7 +177,7 @@ std::vector<PlanarRegion> GrowPlanarRegions(const std::vector<Vector3d>& points_
   options.Validate();
   std::vector<PlanarRegion> accepted;
   if (points_m.size() < options.min_points) return accepted;
-  for (Indices& grown : Grow(FindFlat(points_m, options), options)) {
+  for (Indices& grown : Grow(FindPlateauUnknown(points_m, options), options)) {
     for (Indices& part : Cut(points_m, std::move(grown), options.max_extent_m)) {
       PlanarRegion region = FitTrimmed(points_m, std::move(part));
       if (Accepted(region, options)) accepted.push_back(std::move(region));

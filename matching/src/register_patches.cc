@@ -47,11 +47,11 @@ class Registrar {
     found.reserve(a_.points_m().size() + b_.points_m().size());
     for (std::size_t i = 0; i < a_.points_m().size(); ++i) {
       const Vector3d& p_m = a_.points_m()[i];
-      Add(a_.plane(i), b_, p_m + shift_m, 1.0, PartOf(p_m), &found);
+      Add(a_.plane(i), b_, p_m + shift_m, 1.0, PartIndex(p_m), &found);
     }
     for (std::size_t i = 0; i < b_.points_m().size(); ++i) {
       const Vector3d back_m = b_.points_m()[i] - shift_m;
-      if (Inside(back_m)) Add(b_.plane(i), a_, back_m, -1.0, PartOf(back_m), &found);
+      if (Inside(back_m)) Add(b_.plane(i), a_, back_m, -1.0, PartIndex(back_m), &found);
     }
     return found;
   }
@@ -71,7 +71,7 @@ class Registrar {
     return (p_m.head<2>() - options_.centre_en_m).norm() <= options_.radius_m;
   }
 
-  int PartOf(const Vector3d& p_m) const {
+  int PartIndex(const Vector3d& p_m) const {
     const auto along = [&](int i) {
       const double share = (p_m[i] - options_.centre_en_m[i]) / (2.0 * options_.radius_m) + 0.5;
       return std::clamp(static_cast<int>(share * kPartsAcross), 0, kPartsAcross - 1);
@@ -107,7 +107,7 @@ double RobustScale(const std::vector<Distance>& distances) {
   std::vector<double> sizes;
   sizes.reserve(distances.size());
   for (const Distance& d : distances) sizes.push_back(std::abs(d.r_m));
-  return std::max(kLeastScale_m, kSigmaOfMedian * Median(std::move(sizes)));
+  return std::max(kLeastScale_m, kSigmaPerMedian * Median(std::move(sizes)));
 }
 
 void Weigh(double scale_m, std::vector<Distance>* distances) {

@@ -50,7 +50,7 @@ class CentroidGrid {
  public:
   CentroidGrid(const std::vector<PlanarRegion>& regions, double side_m) : side_m_(side_m) {
     for (std::size_t k = 0; k < regions.size(); ++k) {
-      cells_[CellOf(regions[k].centroid_m, 0, 0)].push_back(k);
+      cells_[CellIndex(regions[k].centroid_m, 0, 0)].push_back(k);
     }
   }
 
@@ -60,7 +60,7 @@ class CentroidGrid {
   void ForNear(const Vector3d& p_m, const Work& work) const {
     for (long east = -1; east <= 1; ++east) {
       for (long north = -1; north <= 1; ++north) {
-        const auto found = cells_.find(CellOf(p_m, east, north));
+        const auto found = cells_.find(CellIndex(p_m, east, north));
         if (found == cells_.end()) continue;
         for (const std::size_t k : found->second) work(k);
       }
@@ -68,7 +68,7 @@ class CentroidGrid {
   }
 
  private:
-  std::pair<long, long> CellOf(const Vector3d& p_m, long east, long north) const {
+  std::pair<long, long> CellIndex(const Vector3d& p_m, long east, long north) const {
     return {std::lround(std::floor(p_m.x() / side_m_)) + east,
             std::lround(std::floor(p_m.y() / side_m_)) + north};
   }
@@ -185,8 +185,8 @@ class Groups {
   std::vector<Members> groups_;
 };
 
-SeenPlane Join(const Strips& strips, const Members& members) {
-  SeenPlane plane;
+ObservedPlane Join(const Strips& strips, const Members& members) {
+  ObservedPlane plane;
   double sum_m2 = 0.0;
   for (std::size_t s = 0; s < members.size(); ++s) {
     if (members[s] < 0) continue;
@@ -202,7 +202,7 @@ SeenPlane Join(const Strips& strips, const Members& members) {
 }
 
 /// Returns the bin of a normal: 0 if nearly level, else by aspect, gentle slopes first.
-std::size_t BinOf(const Vector3d& normal) {
+std::size_t NormalBin(const Vector3d& normal) {
   if (normal.z() > std::cos(kNearlyLevelRad)) return 0;
   const double turns = std::atan2(normal.y(), normal.x()) / (2.0 * std::numbers::pi) + 0.5;
   const auto aspect = static_cast<std::size_t>(static_cast<double>(kAspects) * turns) % kAspects;
@@ -210,8 +210,8 @@ std::size_t BinOf(const Vector3d& normal) {
 }
 
 /// Keeps the largest planes of each bin.
-std::vector<SeenPlane> Balance(std::vector<SeenPlane> planes, const Vector3d& lever_arm_b_m,
-                               const Vector3d& theta_rad, std::size_t most_of_bin) {
+std::vector<ObservedPlane> Balance(std::vector<ObservedPlane> planes, const Vector3d& lever_arm_b_m,
+                                   const Vector3d& theta_rad, std::size_t most_of_bin) {
   struct Place {
     double area_m2;
     std::size_t index;
@@ -224,7 +224,7 @@ std::vector<SeenPlane> Balance(std::vector<SeenPlane> planes, const Vector3d& le
       points_m.push_back(PointAt(point.end, lever_arm_b_m, q_boresight));
     }
     const PlanarRegion region = FitRegion(points_m);
-    bins[BinOf(region.normal)].push_back({region.short_side_m * region.long_side_m, q});
+    bins[NormalBin(region.normal)].push_back({region.short_side_m * region.long_side_m, q});
   }
   std::vector<std::size_t> kept;
   for (std::vector<Place>& bin : bins) {
@@ -234,7 +234,7 @@ std::vector<SeenPlane> Balance(std::vector<SeenPlane> planes, const Vector3d& le
     for (const Place& place : bin) kept.push_back(place.index);
   }
   std::sort(kept.begin(), kept.end());
-  std::vector<SeenPlane> out;
+  std::vector<ObservedPlane> out;
   for (const std::size_t q : kept) out.push_back(std::move(planes[q]));
   return out;
 }
@@ -258,7 +258,7 @@ Strips OnTrajectory(const StripPlanes& planes, const TrajectoryEnds& ends, doubl
   return strips;
 }
 
-MatchOptions AlignmentOf(const SharePlanesOptions& options) {
+MatchOptions AlignmentOptions(const SharePlanesOptions& options) {
   MatchOptions align;
   align.gsd_m = options.strips.gsd_m;
   align.search_rad = options.search_rad;
@@ -271,7 +271,7 @@ MatchOptions AlignmentOf(const SharePlanesOptions& options) {
 }
 
 /// Returns the boresight of the planes; nullopt if they do not determine it.
-std::optional<Vector3d> Improve(const Flight& flight, const std::vector<SeenPlane>& planes,
+std::optional<Vector3d> Improve(const Flight& flight, const std::vector<ObservedPlane>& planes,
                                 const Vector3d& theta_rad, int threads) {
   PlaneProblem problem = MakePlaneProblem(flight, planes);
   problem.boresight_rad = theta_rad;
@@ -304,7 +304,7 @@ SharedPlanes FindSharedPlanes(const Flight& flight, FlightMatchSource* source,
   const TrajectoryEnds ends(flight);
   const Vector3d& lever_arm_b_m = source->mounting().lever_arm_b_m;
   SharedPlanes out;
-  out.levels = AlignFlight(source, AlignmentOf(options));
+  out.levels = AlignFlight(source, AlignmentOptions(options));
   Vector3d theta_rad = source->mounting().boresight_rad;
   for (int extraction = 0; extraction < kExtractions; ++extraction) {
     const StripPlanes planes = ExtractStripPlanes(*source, options.strips);
@@ -317,7 +317,7 @@ SharedPlanes FindSharedPlanes(const Flight& flight, FlightMatchSource* source,
     for (int search = 0; search < kSearches; ++search) {
       const bool first = extraction == 0 && search == 0;
       const double search_m = first ? 2.0 * options.misalignment_rad * range_m : 0.0;
-      std::vector<SeenPlane> seen;
+      std::vector<ObservedPlane> seen;
       for (const Members& members :
            MatchPlanes(strips, lever_arm_b_m, theta_rad, search_m,
                        first ? options.first_angle_rad : options.angle_rad)) {

@@ -25,7 +25,7 @@ constexpr std::size_t kSampleStep = 32;
 constexpr double kLeastOfTypical = 0.1;
 constexpr double kGolden = 0.6180339887498949;  // distributes a fraction evenly over any sequence
 
-SquareKey TileOf(const Vector3d& p_m, double side_m) {
+SquareKey TileIndex(const Vector3d& p_m, double side_m) {
   return {std::lround(std::floor(p_m.x() / side_m)), std::lround(std::floor(p_m.y() / side_m))};
 }
 
@@ -37,7 +37,7 @@ Counts CountPoints(const MatchSource& source, std::size_t strip, double side_m) 
   source.Read(strip, [&](const RawPoints& points) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (read++ % kSampleStep != 0) continue;
-      counts[TileOf(source.Position(strip, points.t_s[i], points.x[i]), side_m)] += kSampleStep;
+      counts[TileIndex(source.Position(strip, points.t_s[i], points.x[i]), side_m)] += kSampleStep;
     }
   });
   return counts;
@@ -100,7 +100,7 @@ std::vector<TilePoints> ReadTiles(const MatchSource& source, std::size_t strip,
   source.Read(strip, [&](const RawPoints& points) {
     internal::PlacePoints(source, strip, points.t_s, points.x, options.threads, &p_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const SquareKey tile = TileOf(p_m[i], options.tile_m);
+      const SquareKey tile = TileIndex(p_m[i], options.tile_m);
       const auto found = std::lower_bound(tiles.begin(), tiles.end(), tile);
       if (found == tiles.end() || *found != tile) continue;
       TilePoints& of_tile = out[static_cast<std::size_t>(found - tiles.begin())];
@@ -125,7 +125,8 @@ StripPlane Take(const TilePoints& points, const std::vector<std::size_t>& thinne
   return plane;
 }
 
-std::vector<StripPlane> PlanesOf(const TilePoints& points, double spacing_m, std::size_t most) {
+std::vector<StripPlane> GrowTilePlanes(const TilePoints& points, double spacing_m,
+                                       std::size_t most) {
   const std::vector<std::size_t> thinned = ThinByVoxel(points.p_m, spacing_m);
   std::vector<Vector3d> p_m;
   p_m.reserve(thinned.size());
@@ -152,7 +153,7 @@ StripPlanes ExtractStripPlanes(const MatchSource& source, const StripPlaneOption
     ParallelForChunks(
         tiles.size(), 1, options.threads, [&](std::size_t, std::size_t first, std::size_t past) {
           for (std::size_t k = first; k < past; ++k) {
-            of_tiles[k] = PlanesOf(tiles[k], out.spacing_m, options.most_points_of_plane);
+            of_tiles[k] = GrowTilePlanes(tiles[k], out.spacing_m, options.most_points_of_plane);
           }
         });
     std::vector<StripPlane>& planes = out.strips.emplace_back();

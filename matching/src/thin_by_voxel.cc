@@ -19,7 +19,7 @@ constexpr double kMaxCells = 1e15;
 
 using Tile = std::array<double, 3>;
 
-Tile TileOf(const Eigen::Vector3d& cells) {
+Tile TileIndex(const Eigen::Vector3d& cells) {
   return {std::floor(cells.x() / kTileCells), std::floor(cells.y() / kTileCells),
           std::floor(cells.z() / kTileCells)};
 }
@@ -60,7 +60,7 @@ std::vector<std::size_t> ThinByVoxel(const std::vector<Eigen::Vector3d>& points_
 
   std::map<Tile, std::vector<std::size_t>> tiles;
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    tiles[TileOf(points_m[i] / voxel_m)].push_back(i);
+    tiles[TileIndex(points_m[i] / voxel_m)].push_back(i);
   }
 
   std::vector<std::size_t> result;

@@ -19,7 +19,7 @@ Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,
   return (along * c + length * s) * axis + (c - along / length * s) * across;
 }
 
-LidarSpan SpanOf(const std::vector<StripInterval>& strips) {
+LidarSpan LidarEpochSpan(const std::vector<StripInterval>& strips) {
   LidarSpan span{strips.front().t0_s, strips.front().t1_s};
   for (const StripInterval& strip : strips) {
     span = {std::min(span.first_s, strip.t0_s), std::max(span.last_s, strip.t1_s)};
@@ -27,7 +27,7 @@ LidarSpan SpanOf(const std::vector<StripInterval>& strips) {
   return span;
 }
 
-LidarSpan SpanOf(const std::vector<LidarPair>& pairs) {
+LidarSpan LidarEpochSpan(const std::vector<LidarPair>& pairs) {
   LidarSpan span{pairs.front().t_i_s, pairs.front().t_i_s};
   for (const LidarPair& pair : pairs) {
     span.first_s = std::min({span.first_s, pair.t_i_s, pair.t_j_s});

@@ -27,8 +27,8 @@ struct LidarSpan {
 };
 
 /// Returns the span from the first to the last epoch.
-LidarSpan SpanOf(const std::vector<StripInterval>& strips);
-LidarSpan SpanOf(const std::vector<LidarPair>& pairs);
+LidarSpan LidarEpochSpan(const std::vector<StripInterval>& strips);
+LidarSpan LidarEpochSpan(const std::vector<LidarPair>& pairs);
 
 /// Rotates the vector u by the angle towards the axis (a unit vector).
 Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,

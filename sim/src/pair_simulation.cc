@@ -255,7 +255,7 @@ class PairSimulator {
 };
 
 void Finish(const ActiveEffects& effects, PairData* data) {
-  const LidarSpan span = SpanOf(data->pairs);
+  const LidarSpan span = LidarEpochSpan(data->pairs);
   const auto tag = [&](double t_s) {
     double later_s = 0.0;
     for (const auto& shift_s : effects.lidar_tag_shift_s) later_s += shift_s(t_s, span);
@@ -280,10 +280,10 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
   constexpr int kMostRuns = 6;
   constexpr double kSameSpan_s = 1e-7;
   const PairSimulator simulator(scenario, intervals, truth, terrain, options, effects);
-  LidarSpan span = SpanOf(intervals);
+  LidarSpan span = LidarEpochSpan(intervals);
   PairData data = simulator.Run(span);
   for (int run = 1; run < kMostRuns && !effects.boresight_rad.empty(); ++run) {
-    const LidarSpan drawn = SpanOf(data.pairs);
+    const LidarSpan drawn = LidarEpochSpan(data.pairs);
     if (std::abs(drawn.middle_s() - span.middle_s()) < kSameSpan_s) break;
     span = drawn;
     data = simulator.Run(span);

@@ -13,7 +13,7 @@ namespace {
 
 std::string ReadText(const std::filesystem::path& file) {
   try {
-    return ReadWholeFile(file, kMostYamlBytes);
+    return ReadWholeFile(file, kMaxYamlBytes);
   } catch (const InvalidInput& e) {
     throw InvalidConfig(e.what(), e.where());
   }

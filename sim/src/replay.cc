@@ -76,7 +76,7 @@ std::vector<Eigen::Vector2d> FindStraights(const UniformSpline& path, double dur
 
 FlightPlan ReplayFlight(const Trajectory& trajectory, const LocalFrame& frame) {
   CheckHoles(trajectory);
-  const std::vector<MapPose> poses = trajectory.InMap(frame);
+  const std::vector<MapPose> poses = trajectory.ToMapPoses(frame);
   const double span_s = trajectory.t_end_s() - trajectory.t_begin_s();
   std::vector<UniformSpline::Vector> control;
   std::optional<double> heading_before;

@@ -34,7 +34,7 @@ void ExpectAtMost(
 
 }  // namespace
 
-void CheckLimits(const Scenario& scenario, const PlaceOfKey& place) {
+void CheckLimits(const Scenario& scenario, const KeyLocator& place) {
   const PlanScenario& plan = scenario.plan;
   const auto at = [&place](const char* section, const char* key) {
     return [&place, section, key] { return place(section, key); };

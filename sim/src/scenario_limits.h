@@ -9,11 +9,11 @@
 namespace dn {
 
 /// Function that returns the location of a key of a section in the file of the scenario.
-using PlaceOfKey = std::function<FileLocation(const std::string& section, const std::string& key)>;
+using KeyLocator = std::function<FileLocation(const std::string& section, const std::string& key)>;
 
 /// Throws InvalidConfig, with limit and location, for a scenario that does not fit into memory or
 /// that is far from any real flight.
-void CheckLimits(const Scenario& scenario, const PlaceOfKey& place);
+void CheckLimits(const Scenario& scenario, const KeyLocator& place);
 
 /// Checks the limits that depend on the duration of the flight; throws as CheckLimits does.
 void CheckDuration(double duration_s);

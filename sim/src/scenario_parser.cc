@@ -38,7 +38,7 @@ PlannedLine ReadLine(const YamlValue& item) {
 }
 
 TurbulenceScenario ReadTurbulence(const YamlValue& s) {
-  s.ExpectMapOrNothing({"roll_deg", "pitch_deg", "heading_deg", "speed_m_s", "height_m"});
+  s.ExpectMapOrAbsent({"roll_deg", "pitch_deg", "heading_deg", "speed_m_s", "height_m"});
   TurbulenceScenario t;
   t.roll_rad = s["roll_deg"].NotNegativeOr(0.0) * kRadPerDeg;
   t.pitch_rad = s["pitch_deg"].NotNegativeOr(0.0) * kRadPerDeg;
@@ -82,8 +82,8 @@ void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
 }
 
 PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
-  s.ExpectMapOrNothing({"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
-                        "stabilised_mount", "replay", "strips"});
+  s.ExpectMapOrAbsent({"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
+                       "stabilised_mount", "replay", "strips"});
   PlanScenario plan;
   plan.warm_up_s = s["warm_up_s"].NotNegativeOr(0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
@@ -129,8 +129,8 @@ double UsualRoughness(TerrainKind kind) {
 /// clouds: true if point clouds are simulated. If only pairs are simulated, the ground is smooth by
 /// default.
 TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
-  s.ExpectMapOrNothing({"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
-                        "trees_per_km2", "roughness_m", "water_share", "seed"});
+  s.ExpectMapOrAbsent({"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
+                       "trees_per_km2", "roughness_m", "water_share", "seed"});
   TerrainScenario terrain;
   if (s["kind"]) terrain.kind = s["kind"].Choice(TerrainWords());
   terrain.relief_m = s["relief_m"].NotNegativeOr(0.0);
@@ -150,7 +150,7 @@ TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
 }
 
 ImuScenario ReadImuScenario(const YamlValue& s) {
-  s.ExpectMapOrNothing({"rate_hz", "preset", "gyro", "accel"});
+  s.ExpectMapOrAbsent({"rate_hz", "preset", "gyro", "accel"});
   ImuScenario imu;
   imu.rate_hz = s["rate_hz"].PositiveOr(200.0);
   if (imu.rate_hz < 10.0 || imu.rate_hz > 2000.0) s["rate_hz"].Fail("must lie between 10 and 2000");
@@ -160,7 +160,7 @@ ImuScenario ReadImuScenario(const YamlValue& s) {
 }
 
 GnssScenario ReadGnssScenario(const YamlValue& s) {
-  s.ExpectMapOrNothing({"rate_hz", "sigma_enu_m", "lever_arm_m", "velocity", "processes"});
+  s.ExpectMapOrAbsent({"rate_hz", "sigma_enu_m", "lever_arm_m", "velocity", "processes"});
   GnssScenario gnss;
   gnss.rate_hz = s["rate_hz"].PositiveOr(1.0);
   if (gnss.rate_hz > 100.0) s["rate_hz"].Fail("must be at most 100");
@@ -172,9 +172,9 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
 }
 
 LidarScenario ReadLidar(const YamlValue& s) {
-  s.ExpectMapOrNothing({"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m",
-                        "boresight_deg", "fov_deg", "pattern", "pulse_rate_hz", "gsd_m",
-                        "beam_divergence_mrad", "sigma_range_m"});
+  s.ExpectMapOrAbsent({"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m",
+                       "boresight_deg", "fov_deg", "pattern", "pulse_rate_hz", "gsd_m",
+                       "beam_divergence_mrad", "sigma_range_m"});
   LidarScenario lidar;
   const ScannerAxes axes = ReadScannerAxes(s, false);
   lidar.mounting.R_bs_nominal = axes.R_bs;
@@ -194,7 +194,7 @@ LidarScenario ReadLidar(const YamlValue& s) {
 }
 
 PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
-  s.ExpectMapOrNothing({"count", "sigma_p_m"});
+  s.ExpectMapOrAbsent({"count", "sigma_p_m"});
   PairScenario pairs;
   pairs.where = s.where();
   pairs.count = s["count"] ? static_cast<long>(s["count"].Integer(0)) : 3000;

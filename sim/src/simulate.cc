@@ -197,7 +197,8 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
                                      {options.seed, options.noise, report("pairs")}, effects);
   }
   if (scenario.strips && !out.strips.empty()) {
-    const LidarSpan span = out.flight.pairs ? SpanOf(out.flight.pairs->pairs) : SpanOf(out.strips);
+    const LidarSpan span =
+        out.flight.pairs ? LidarEpochSpan(out.flight.pairs->pairs) : LidarEpochSpan(out.strips);
     out.clouds = std::make_shared<const SimulatedClouds>(scenario, out.strips, out.truth, effects,
                                                          span, options.seed, options.noise);
   }

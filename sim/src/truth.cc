@@ -98,7 +98,7 @@ MapPose TruthTrajectory::Pose(double t_s) const {
 
 NormalEarth NormalEarth::At(const LocalFrame& frame, const Vector3d& p_m) {
   const Geodetic position = frame.ToGeodetic(p_m);
-  return {p_m, position, frame.R_me() * R_en(position), frame.Attraction(p_m)};
+  return {p_m, position, frame.R_me() * R_en(position), frame.Gravitation(p_m)};
 }
 
 TruthState TruthTrajectory::State(double t_s) const {
@@ -109,7 +109,7 @@ TruthState TruthTrajectory::State(double t_s) const {
 TruthState TruthTrajectory::State(double t_s, NormalEarth* earth) const {
   const Motion motion = MotionAt(t_s);
   *earth = NormalEarth::At(frame_, motion.p);
-  return StateOf(motion, t_s, earth->R_mn, earth->attraction_m);
+  return ComputeState(motion, t_s, earth->R_mn, earth->gravitation_m);
 }
 
 TruthState TruthTrajectory::StateBetween(const NormalEarth& a, const NormalEarth& b,
@@ -118,12 +118,12 @@ TruthState TruthTrajectory::StateBetween(const NormalEarth& a, const NormalEarth
   const Vector3d way_m = b.p_m - a.p_m;
   const double length2_m2 = way_m.squaredNorm();
   const double share = length2_m2 > 0.0 ? way_m.dot(motion.p - a.p_m) / length2_m2 : 0.0;
-  return StateOf(motion, t_s, a.R_mn + share * (b.R_mn - a.R_mn),
-                 a.attraction_m + share * (b.attraction_m - a.attraction_m));
+  return ComputeState(motion, t_s, a.R_mn + share * (b.R_mn - a.R_mn),
+                      a.gravitation_m + share * (b.gravitation_m - a.gravitation_m));
 }
 
-TruthState TruthTrajectory::StateOf(const Motion& motion, double t_s, const Matrix3d& R_mn,
-                                    const Vector3d& attraction_m) const {
+TruthState TruthTrajectory::ComputeState(const Motion& motion, double t_s, const Matrix3d& R_mn,
+                                         const Vector3d& gravitation_m) const {
   const Matrix3d R_nb = BodyToNed(motion.rph);
   const Matrix3d R_mb = R_mn * R_nb;
   const Vector3d r_m = frame_.r0_m() + motion.p;
@@ -141,7 +141,7 @@ TruthState TruthTrajectory::StateOf(const Motion& motion, double t_s, const Matr
   state.w_mb_b = R_nb.transpose() * w_en_n + RateFromAngles(motion.rph, motion.rph_rate);
   state.w_ib_b = R_mb.transpose() * w + state.w_mb_b;
   state.f_b = R_mb.transpose() *
-              (motion.a + 2.0 * w.cross(motion.v) + w.cross(w.cross(r_m)) - attraction_m);
+              (motion.a + 2.0 * w.cross(motion.v) + w.cross(w.cross(r_m)) - gravitation_m);
   return state;
 }
 

@@ -78,7 +78,7 @@ SymmetricCsc BlockPattern(const UnknownLayout& layout, const Network& network) {
     if (!record.active) continue;
     positions.clear();
     for (const BlockId b : record.blocks) {
-      const int position = layout.position_of[AsSize(b)];
+      const int position = layout.block_position[AsSize(b)];
       if (position >= 0) positions.push_back(position);
     }
     pairs.Add(positions.data(), static_cast<int>(positions.size()));

@@ -115,11 +115,11 @@ void CeresProblem::AddFactor(Network& network, FactorId id) {
 void CeresProblem::AddBlock(BlockRecord& block) {
   double* value = block.value.get();
   if (problem_.HasParameterBlock(value)) return;
-  problem_.AddParameterBlock(value, block.kind.stored_size, ManifoldOf(block.kind));
+  problem_.AddParameterBlock(value, block.kind.stored_size, FindManifold(block.kind));
   if (block.held) problem_.SetParameterBlockConstant(value);
 }
 
-ceres::Manifold* CeresProblem::ManifoldOf(const BlockKind& kind) {
+ceres::Manifold* CeresProblem::FindManifold(const BlockKind& kind) {
   if (kind.parametrisation == Parametrisation::kVector) return nullptr;
   for (BlockManifold& manifold : manifolds_) {
     if (manifold.kind() == kind) return &manifold;

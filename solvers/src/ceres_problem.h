@@ -58,7 +58,7 @@ class CeresProblem {
  private:
   void AddFactor(Network& network, FactorId id);
   void AddBlock(BlockRecord& block);
-  ceres::Manifold* ManifoldOf(const BlockKind& kind);
+  ceres::Manifold* FindManifold(const BlockKind& kind);
 
   FactorException exception_;
   std::deque<BlockManifold> manifolds_;

@@ -38,34 +38,34 @@ RowFit Worst(const LinearizedNetwork& linearized, const Eigen::VectorXd& redunda
 }
 
 double MedianDetectable(const ResidualForm& form, const Eigen::VectorXd& redundancy,
-                        const RowTest& test) {
+                        const OutlierTest& test) {
   std::vector<double> numbers;
   for (std::size_t row = 0; row < form.label.size(); ++row) {
     if (form.label[row] >= 0) numbers.push_back(redundancy[static_cast<Eigen::Index>(row)]);
   }
   const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
   std::nth_element(numbers.begin(), middle, numbers.end());
-  return test.MinimalDetectable(*middle);
+  return test.MinimalDetectableBias(*middle);
 }
 
 double TwoSided(double above, double below) { return std::min(1.0, 2.0 * std::min(above, below)); }
 
 }  // namespace
 
-double RowTest::NonCentrality() const {
+double OutlierTest::NonCentrality() const {
   RequireProbability("alpha", alpha);
   RequireProbability("power", power);
   return NormalQuantile(1.0 - 0.5 * alpha) + NormalQuantile(power);
 }
 
-double RowTest::MinimalDetectable(double redundancy) const {
+double OutlierTest::MinimalDetectableBias(double redundancy) const {
   if (redundancy <= kFittedAway) return std::numeric_limits<double>::infinity();
   return NonCentrality() / std::sqrt(redundancy);
 }
 
-ChannelFit DescribeChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
-                           const FormMoments& moments, const Eigen::VectorXd& redundancy,
-                           const RowTest& test) {
+ChannelFit TestChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
+                       const FormMoments& moments, const Eigen::VectorXd& redundancy,
+                       const OutlierTest& test) {
   const auto takes_part = [&](Eigen::Index row) {
     return form.label[static_cast<std::size_t>(row)] >= 0;
   };
@@ -85,7 +85,7 @@ ChannelFit DescribeChannel(const LinearizedNetwork& linearized, const ResidualFo
   return fit;
 }
 
-FitCheck CheckFit(const Marginals& marginals, const RowTest& test) {
+FitCheck CheckFit(const Marginals& marginals, const OutlierTest& test) {
   const LinearizedNetwork& linearized = marginals.linearized();
   const Eigen::VectorXd redundancy = RedundancyNumbers(marginals);
   FitCheck check;
@@ -97,9 +97,9 @@ FitCheck CheckFit(const Marginals& marginals, const RowTest& test) {
     check.p_value = TwoSided(ChiSquareTail(check.chi2, dof), ChiSquareCdf(check.chi2, dof));
   }
   const std::vector<ResidualForm> forms = ChannelForms(linearized);
-  const std::vector<FormMoments> moments = MomentsOf(marginals, forms);
+  const std::vector<FormMoments> moments = ComputeFormMoments(marginals, forms);
   for (std::size_t i = 0; i < forms.size(); ++i) {
-    check.channels.push_back(DescribeChannel(linearized, forms[i], moments[i], redundancy, test));
+    check.channels.push_back(TestChannel(linearized, forms[i], moments[i], redundancy, test));
   }
   check.worst = Worst(linearized, redundancy, [](Eigen::Index) { return true; });
   const double w = check.worst.standardised;

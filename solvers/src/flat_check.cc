@@ -60,10 +60,10 @@ void NetworkValues::Restore(Network* network) const {
   }
 }
 
-FlatCheck::FlatCheck(const Network& network)
+PlateauCheck::PlateauCheck(const Network& network)
     : initial_(network), influence_(FindInfluences(network).block_influence) {}
 
-std::string FlatCheck::FindFlat(const Network& network) const {
+std::string PlateauCheck::FindPlateauUnknown(const Network& network) const {
   const Influences now = FindInfluences(network);
   for (BlockId b = 0; b < network.num_blocks(); ++b) {
     const Eigen::VectorXd& before = influence_[static_cast<std::size_t>(b)];

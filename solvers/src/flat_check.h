@@ -25,15 +25,15 @@ class NetworkValues {
 /// Detects unknowns that the solution has moved to a plateau, where the residuals no longer depend
 /// on them. An example is the rate of an exponential that has decayed: the cost is flat there, but
 /// it is not a minimum.
-class FlatCheck {
+class PlateauCheck {
  public:
   /// Stores the current values of the network as the initial values of the solution.
-  explicit FlatCheck(const Network& network);
+  explicit PlateauCheck(const Network& network);
 
   /// Returns the name of an unknown that has lost its influence since the start, or an empty
   /// string. The influence is the length of its Jacobian column. An unknown counts only if moving
   /// it back to its initial value would not change the residuals to first order.
-  std::string FindFlat(const Network& network) const;
+  std::string FindPlateauUnknown(const Network& network) const;
 
   const NetworkValues& initial() const { return initial_; }
 

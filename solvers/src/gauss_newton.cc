@@ -56,7 +56,7 @@ class Iteration {
     report_.unfinished = true;
     if (!linearization_.Evaluate(network_, options_.threads)) return;
     report_.initial_cost = cost_ = linearization_.cost();
-    report_.begun = true;
+    report_.initial_reported = true;
     if (!Tell(0.0, 0.0)) return;
     const std::shared_ptr<SharedAnalysis> shared =
         options_.analysis ? options_.analysis : std::make_shared<SharedAnalysis>();
@@ -81,7 +81,7 @@ class Iteration {
     const Eigen::VectorXd scale = JacobiScale(equations.N);
     ApplyScale(scale, &equations.N);
     if (!cholesky.Factorize(equations.N, 0.0, options_.threads)) return Outcome::kTooLong;
-    if (cholesky.LeastPivot() < kLeastPivot) return Outcome::kTooLong;
+    if (cholesky.SmallestPivot() < kLeastPivot) return Outcome::kTooLong;
     const Eigen::VectorXd step =
         -scale.cwiseProduct(cholesky.Solve(scale.cwiseProduct(gradient)).col(0));
     return Try(step, -0.5 * gradient.dot(step));

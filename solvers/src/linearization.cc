@@ -15,7 +15,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Number of rows stacked before each QR step of TriangularFactorOfProduct.
+/// Number of rows stacked before each QR step of ProductTriangularFactor.
 constexpr int kStackedRows = 2048;
 
 }  // namespace
@@ -27,12 +27,12 @@ UnknownLayout::UnknownLayout(const Network& network) {
     if (!record.active) continue;
     for (const BlockId b : record.blocks) used[AsSize(b)] = true;
   }
-  position_of.assign(AsSize(network.num_blocks()), -1);
+  block_position.assign(AsSize(network.num_blocks()), -1);
   offset.push_back(0);
   for (BlockId b = 0; b < network.num_blocks(); ++b) {
     const BlockRecord& block = network.block(b);
     if (!used[AsSize(b)] || block.held) continue;
-    position_of[AsSize(b)] = num_blocks();
+    block_position[AsSize(b)] = num_blocks();
     blocks.push_back(b);
     offset.push_back(offset.back() + block.kind.tangent_size);
   }
@@ -89,10 +89,10 @@ void Linearization::Reserve(const Network& network) {
     edge.data = size;
     edge.first_block = positions_.size();
     for (const BlockId b : record.blocks) {
-      const int position = layout_.position_of[AsSize(b)];
+      const int position = layout_.block_position[AsSize(b)];
       if (position < 0) continue;
       positions_.push_back(position);
-      edge.cols += layout_.size_of(position);
+      edge.cols += layout_.block_size(position);
       ++edge.num_blocks;
     }
     size += AsSize(edge.rows) * AsSize(edge.cols);
@@ -146,7 +146,7 @@ void Linearization::AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
   int column = 0;
   for (int i = 0; i < edge.num_blocks; ++i) {
     const int p = positions(edge)[i];
-    const int size = layout_.size_of(p);
+    const int size = layout_.block_size(p);
     out += J.middleCols(column, size).lazyProduct(X.middleRows(layout_.offset[AsSize(p)], size));
     column += size;
   }
@@ -159,7 +159,7 @@ Eigen::MatrixXd Linearization::TransposeTimes(const Eigen::MatrixXd& E) const {
     int column = 0;
     for (int b = 0; b < edge.num_blocks; ++b) {
       const int p = positions(edge)[b];
-      const int size = layout_.size_of(p);
+      const int size = layout_.block_size(p);
       G.middleRows(layout_.offset[AsSize(p)], size) +=
           J.middleCols(column, size)
               .transpose()
@@ -170,7 +170,7 @@ Eigen::MatrixXd Linearization::TransposeTimes(const Eigen::MatrixXd& E) const {
   return G;
 }
 
-Eigen::MatrixXd Linearization::TriangularFactorOfProduct(const Eigen::MatrixXd& X) const {
+Eigen::MatrixXd Linearization::ProductTriangularFactor(const Eigen::MatrixXd& X) const {
   const Eigen::Index k = X.cols();
   Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(k + kStackedRows, k);
   Eigen::Index filled = k;

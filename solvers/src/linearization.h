@@ -15,14 +15,14 @@ inline std::size_t AsSize(int i) { return static_cast<std::size_t>(i); }
 struct UnknownLayout {
   std::vector<BlockId> blocks;  ///< block at each position
   /// Position of each BlockId; -1 for a block that is not an unknown.
-  std::vector<int> position_of;
+  std::vector<int> block_position;
   /// First tangent coordinate of each position, followed by the total number of coordinates.
   std::vector<int> offset;
 
   explicit UnknownLayout(const Network& network);
   int num_blocks() const { return static_cast<int>(blocks.size()); }
   int size() const { return offset.back(); }
-  int size_of(int position) const {
+  int block_size(int position) const {
     const auto p = static_cast<std::size_t>(position);
     return offset[p + 1] - offset[p];
   }
@@ -81,7 +81,7 @@ class Linearization {
 
   /// Returns the triangular factor R of J X, which has the singular values of J X; X is unknowns x
   /// k.
-  Eigen::MatrixXd TriangularFactorOfProduct(const Eigen::MatrixXd& X) const;
+  Eigen::MatrixXd ProductTriangularFactor(const Eigen::MatrixXd& X) const;
 
  private:
   void Reserve(const Network& network);

@@ -42,8 +42,8 @@ struct LinearizedNetwork::Impl {
   /// Returns an inactive factor.
   const IdleFactor& idle_factor(FactorId id) const;
   int residual_size(FactorId id) const;
-  Factor OfEdge(const Linearization::Edge& edge) const;
-  Factor OfIdle(const IdleFactor& idle, FactorId id) const;
+  Factor ActiveFactor(const Linearization::Edge& edge) const;
+  Factor EvaluateIdleFactor(const IdleFactor& idle, FactorId id) const;
 
   int threads;
   UnknownLayout layout;

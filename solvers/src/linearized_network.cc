@@ -80,7 +80,8 @@ int LinearizedNetwork::Impl::residual_size(FactorId id) const {
                    : idle_factor(id).factor->residual_size();
 }
 
-LinearizedNetwork::Factor LinearizedNetwork::Impl::OfEdge(const Linearization::Edge& edge) const {
+LinearizedNetwork::Factor LinearizedNetwork::Impl::ActiveFactor(
+    const Linearization::Edge& edge) const {
   Factor factor;
   factor.weight = edge.weight;
   const double per_row = edge.weight > 0.0 ? 1.0 / std::sqrt(edge.weight) : 0.0;
@@ -88,7 +89,7 @@ LinearizedNetwork::Factor LinearizedNetwork::Impl::OfEdge(const Linearization::E
   int column = 0;
   for (int b = 0; b < edge.num_blocks; ++b) {
     const int p = linearization.positions(edge)[b];
-    const int size = layout.size_of(p);
+    const int size = layout.block_size(p);
     factor.jacobian.emplace_back(layout.blocks[static_cast<std::size_t>(p)],
                                  per_row * linearization.jacobian(edge).middleCols(column, size));
     column += size;
@@ -96,7 +97,8 @@ LinearizedNetwork::Factor LinearizedNetwork::Impl::OfEdge(const Linearization::E
   return factor;
 }
 
-LinearizedNetwork::Factor LinearizedNetwork::Impl::OfIdle(const IdleFactor& of, FactorId id) const {
+LinearizedNetwork::Factor LinearizedNetwork::Impl::EvaluateIdleFactor(const IdleFactor& of,
+                                                                      FactorId id) const {
   std::vector<const double*> x;
   for (const BlockId b : of.blocks) x.push_back(values.data() + block(b).value);
   Factor factor;
@@ -126,7 +128,8 @@ LinearizedNetwork LinearizedNetwork::Scaled(const Eigen::VectorXd& row_scale) co
 
 const Eigen::VectorXd& LinearizedNetwork::row_scale() const { return impl_->row_scale; }
 
-Eigen::MatrixXd LinearizedNetwork::AsRows(const FactorRows& rows, const Eigen::MatrixXd& L) const {
+Eigen::MatrixXd LinearizedNetwork::ToRowScaling(const FactorRows& rows,
+                                                const Eigen::MatrixXd& L) const {
   ExpectRows(L.rows(), rows.count, "residuals of the factor");
   return std::sqrt(rows.weight) * (row_scale().segment(rows.first, rows.count).asDiagonal() * L);
 }
@@ -141,7 +144,7 @@ const std::vector<BlockId>& LinearizedNetwork::unknowns() const { return impl_->
 
 int LinearizedNetwork::FirstColumn(BlockId block) const {
   impl_->block(block);
-  const int position = impl_->layout.position_of[static_cast<std::size_t>(block)];
+  const int position = impl_->layout.block_position[static_cast<std::size_t>(block)];
   return position < 0 ? -1 : impl_->layout.offset[static_cast<std::size_t>(position)];
 }
 
@@ -149,7 +152,7 @@ const std::vector<LinearizedNetwork::FactorRows>& LinearizedNetwork::factors() c
   return impl_->factor_rows;
 }
 
-std::optional<LinearizedNetwork::FactorRows> LinearizedNetwork::RowsOf(FactorId factor) const {
+std::optional<LinearizedNetwork::FactorRows> LinearizedNetwork::FindRows(FactorId factor) const {
   const int edge = impl_->factor(factor).edge;
   if (edge < 0) return std::nullopt;
   return impl_->factor_rows[static_cast<std::size_t>(edge)];
@@ -175,10 +178,10 @@ LinearizedNetwork::Row LinearizedNetwork::RowAt(Eigen::Index row) const {
   return {rows.factor, residual, of.Channel(residual), of.Axis(residual), t_s(rows.factor)};
 }
 
-LinearizedNetwork::Factor LinearizedNetwork::FactorAt(FactorId factor) const {
+LinearizedNetwork::Factor LinearizedNetwork::EvaluateFactorAt(FactorId factor) const {
   const int edge = impl_->factor(factor).edge;
-  if (edge < 0) return impl_->OfIdle(impl_->idle_factor(factor), factor);
-  return impl_->OfEdge(impl_->linearization.edges()[static_cast<std::size_t>(edge)]);
+  if (edge < 0) return impl_->EvaluateIdleFactor(impl_->idle_factor(factor), factor);
+  return impl_->ActiveFactor(impl_->linearization.edges()[static_cast<std::size_t>(edge)]);
 }
 
 const double* LinearizedNetwork::StoredValue(BlockId block) const {

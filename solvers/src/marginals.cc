@@ -83,7 +83,7 @@ void Marginals::Impl::ExamineRank(const SymmetricCsc& scaled_N, bool definite, d
 
 int Marginals::Impl::Position(BlockId b) const {
   const BlockInfo& info = block(b);
-  const int position = layout().position_of[static_cast<std::size_t>(b)];
+  const int position = layout().block_position[static_cast<std::size_t>(b)];
   if (position < 0 && !info.held) {
     throw RankDeficient("marginals: no active factor depends on block '" + info.name +
                         "', so it has no covariance; give it a prior or set it constant");
@@ -140,7 +140,7 @@ void Marginals::Impl::Project(Eigen::Ref<Eigen::MatrixXd> E) const {
     int column = 0;
     for (int b = 0; b < edge.num_blocks; ++b) {
       const int position = linearization.positions(edge)[b];
-      for (int i = 0; i < layout().size_of(position); ++i) {
+      for (int i = 0; i < layout().block_size(position); ++i) {
         const int unknown = Offset(position) + i;
         use(cholesky->permuted_index()[AsSize(unknown)], J.col(column++), scale[unknown]);
       }
@@ -307,12 +307,13 @@ Eigen::MatrixXd Marginals::DiagonalBlock(BlockId a) const {
   return *impl_->Selected(a, a);
 }
 
-std::optional<Eigen::MatrixXd> Marginals::PatternOf(std::span<const BlockId> blocks) const {
+std::optional<Eigen::MatrixXd> Marginals::JointSelectedCovariance(
+    std::span<const BlockId> blocks) const {
   impl_->RequireSelected();
   return impl_->Selected(blocks);
 }
 
-std::optional<Eigen::MatrixXd> Marginals::PatternBlock(BlockId a, BlockId b) const {
+std::optional<Eigen::MatrixXd> Marginals::SelectedCovariance(BlockId a, BlockId b) const {
   impl_->RequireSelected();
   return impl_->Selected(a, b);
 }

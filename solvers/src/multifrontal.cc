@@ -108,8 +108,8 @@ class Multifrontal::Front {
 
   /// Eliminates the columns. Returns false if the front is not positive definite.
   bool Eliminate(int threads) {
-    for (int k = 0; k < columns_; k += kPanel) {
-      const int n = std::min(kPanel, columns_ - k);
+    for (int k = 0; k < columns_; k += kPanelSize) {
+      const int n = std::min(kPanelSize, columns_ - k);
       if (!EliminatePanel(k, n, threads)) return false;
     }
     return true;
@@ -214,7 +214,7 @@ Multifrontal::Multifrontal(const SymmetricCsc& A, const std::vector<int>& permut
     for (int j = 0; j < A.n; ++j) {
       for (int e = A.column_start[AsSize(j)]; e < A.column_start[AsSize(j) + 1]; ++e) {
         const int r = permuted_index[AsSize(A.row[AsSize(e)])], c = permuted_index[AsSize(j)];
-        use(e, std::max(r, c), std::min(r, c), tree_.owner_of_column(std::min(r, c)));
+        use(e, std::max(r, c), std::min(r, c), tree_.column_owner(std::min(r, c)));
       }
     }
   };

@@ -17,7 +17,7 @@ std::vector<int> Heights(const UnknownLayout& layout, const SymmetricCsc& blocks
     int height = 0;
     for (int e = blocks.column_start[AsSize(c)]; e < blocks.column_start[AsSize(c) + 1]; ++e) {
       heights[AsSize(e)] = height;
-      height += layout.size_of(blocks.row[AsSize(e)]);
+      height += layout.block_size(blocks.row[AsSize(e)]);
     }
   }
   return heights;
@@ -27,7 +27,7 @@ void AppendColumn(const UnknownLayout& layout, const SymmetricCsc& blocks, int c
                   SymmetricCsc* N) {
   for (int e = blocks.column_start[AsSize(c)]; e < blocks.column_start[AsSize(c) + 1]; ++e) {
     const int r = blocks.row[AsSize(e)];
-    for (int i = r == c ? k : 0; i < layout.size_of(r); ++i) {
+    for (int i = r == c ? k : 0; i < layout.block_size(r); ++i) {
       N->row.push_back(layout.offset[AsSize(r)] + i);
     }
   }
@@ -42,7 +42,7 @@ SymmetricCsc ScalarPattern(const UnknownLayout& layout, const SymmetricCsc& bloc
   N.n = layout.size();
   N.column_start.assign(1, 0);
   for (int c = 0; c < blocks.n; ++c) {
-    for (int k = 0; k < layout.size_of(c); ++k) AppendColumn(layout, blocks, c, k, &N);
+    for (int k = 0; k < layout.block_size(c); ++k) AppendColumn(layout, blocks, c, k, &N);
   }
   return N;
 }
@@ -90,16 +90,16 @@ void NormalEquations::Sum(const UnknownLayout& layout, const Linearization& line
         if (position[a] >= position[b]) {
           Add(layout, position[a], position[b], *height++, product, row, column);
         }
-        row += layout.size_of(position[a]);
+        row += layout.block_size(position[a]);
       }
-      column += layout.size_of(position[b]);
+      column += layout.block_size(position[b]);
     }
   }
 }
 
 void NormalEquations::Add(const UnknownLayout& layout, int a, int b, int height,
                           const Eigen::MatrixXd& product, int row, int column) {
-  const int rows = layout.size_of(a), columns = layout.size_of(b);
+  const int rows = layout.block_size(a), columns = layout.block_size(b);
   for (int k = 0; k < columns; ++k) {
     double* to = N.value.data() + N.column_start[AsSize(layout.offset[AsSize(b)] + k)] + height - k;
     const double* from = &product(row, column + k);

@@ -13,14 +13,14 @@ namespace dn {
 namespace {
 
 Eigen::MatrixXd Cross(const Marginals& marginals, BlockId a, BlockId b) {
-  const auto inside = marginals.PatternBlock(a, b);
+  const auto inside = marginals.SelectedCovariance(a, b);
   return inside ? *inside : marginals.Covariance(a, b);
 }
 
 /// Returns the joint covariance of the blocks of a factor.
 Eigen::MatrixXd Joint(const Marginals& marginals, const std::vector<BlockId>& blocks,
                       const std::vector<Eigen::Index>& first) {
-  if (auto inside = marginals.PatternOf(blocks)) return *std::move(inside);
+  if (auto inside = marginals.JointSelectedCovariance(blocks)) return *std::move(inside);
   Eigen::MatrixXd C(first.back(), first.back());
   for (std::size_t a = 0; a < blocks.size(); ++a) {
     for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -60,7 +60,7 @@ bool DependsOnUnknowns(const LinearizedNetwork& linearized,
 Prediction PredictFactor(const Marginals& marginals, FactorId id) {
   // Redundancy below which the other factors do not determine the residual.
   constexpr double kUndetermined = 1e-9;
-  const LinearizedNetwork::Factor factor = marginals.linearized().FactorAt(id);
+  const LinearizedNetwork::Factor factor = marginals.linearized().EvaluateFactorAt(id);
   Prediction prediction;
   prediction.determined = DependsOnUnknowns(marginals.linearized(), factor);
   if (!prediction.determined) return prediction;
@@ -81,10 +81,10 @@ Prediction PredictFactor(const Marginals& marginals, FactorId id) {
 }
 
 Eigen::VectorXd RedundancyNumbers(const Marginals& marginals, FactorId id) {
-  if (!marginals.linearized().RowsOf(id)) {
+  if (!marginals.linearized().FindRows(id)) {
     throw InvalidInput("redundancy numbers: factor " + std::to_string(id) + " is not active");
   }
-  const LinearizedNetwork::Factor factor = marginals.linearized().FactorAt(id);
+  const LinearizedNetwork::Factor factor = marginals.linearized().EvaluateFactorAt(id);
   const Eigen::ArrayXd share = factor.weight * ModelCovariance(marginals, factor).diagonal();
   return (1.0 - share).cwiseMax(0.0);
 }

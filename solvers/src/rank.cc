@@ -123,7 +123,7 @@ std::string ShareText(const UnknownShare& share) {
 /// Returns the k directions with the least information within the span of the columns of Q.
 ScaledDirections BestWithin(const Linearization& linearization, const Eigen::VectorXd& scale,
                             const Eigen::MatrixXd& Q, Eigen::Index k) {
-  const Eigen::MatrixXd R = linearization.TriangularFactorOfProduct(scale.asDiagonal() * Q);
+  const Eigen::MatrixXd R = linearization.ProductTriangularFactor(scale.asDiagonal() * Q);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(R, Eigen::ComputeFullV);
   ScaledDirections best;
   best.v = Q * svd.matrixV().rowwise().reverse().leftCols(k);
@@ -140,7 +140,7 @@ double ProbeInformation(const Linearization& linearization, const Eigen::VectorX
     x = cholesky.Solve(x);
     x /= x.norm();
   }
-  const double product = linearization.TriangularFactorOfProduct(scale.asDiagonal() * x)(0, 0);
+  const double product = linearization.ProductTriangularFactor(scale.asDiagonal() * x)(0, 0);
   return std::isfinite(product) ? product * product : 0.0;
 }
 
@@ -174,13 +174,13 @@ ScaledDirections FindWeakestDirections(const Linearization& linearization,
   return {best.v.leftCols(k), best.information.head(k)};
 }
 
-std::vector<UnknownShare> SharesOf(const LinearizedNetwork::Impl& network,
-                                   const Eigen::VectorXd& v) {
+std::vector<UnknownShare> ComputeUnknownShares(const LinearizedNetwork::Impl& network,
+                                               const Eigen::VectorXd& v) {
   std::map<std::string, Components> by_name;
   const UnknownLayout& layout = network.layout;
   for (int p = 0; p < layout.num_blocks(); ++p) {
     const auto& block = network.block(layout.blocks[static_cast<std::size_t>(p)]);
-    for (int k = 0; k < layout.size_of(p); ++k) {
+    for (int k = 0; k < layout.block_size(p); ++k) {
       Components& components = by_name[UnknownName(block, k)];
       components.values.push_back(v[layout.offset[static_cast<std::size_t>(p)] + k]);
       components.epochs_s.push_back(block.label.t_s);
@@ -221,7 +221,7 @@ std::string DescribeFreeDirections(const LinearizedNetwork::Impl& network,
   for (Eigen::Index i = 0; i < n && i < kListed; ++i) {
     if (i > 0) text += "; ";
     if (n > 1) text.append("(").append(std::to_string(i + 1)).append(") ");
-    text += DescribeShares(SharesOf(network, simple.col(i)));
+    text += DescribeShares(ComputeUnknownShares(network, simple.col(i)));
   }
   if (n > kListed) text += "; ...";
   return text +

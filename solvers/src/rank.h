@@ -40,8 +40,8 @@ ScaledDirections FindWeakestDirections(const Linearization& linearization,
 
 /// Returns the unknowns that contribute to a direction, largest first, combined by name over all
 /// epochs.
-std::vector<UnknownShare> SharesOf(const LinearizedNetwork::Impl& network,
-                                   const Eigen::VectorXd& v);
+std::vector<UnknownShare> ComputeUnknownShares(const LinearizedNetwork::Impl& network,
+                                               const Eigen::VectorXd& v);
 
 /// Formats shares, for example "boresight pitch (0.71), gyro bias y, 100.0..200.0 s (0.70)".
 std::string DescribeShares(const std::vector<UnknownShare>& shares);

@@ -78,7 +78,7 @@ class FewRows {
   std::vector<int> label_;
 };
 
-/// Calls use(R) for the samples of ForSampledResiduals in batches; the rows of R are the samples.
+/// Calls use(R) for the samples of ForEachSampledResidual in batches; the rows of R are the samples.
 template <class Use>
 void ForRowsOfSamples(const Marginals& marginals, const Use& use) {
   std::mt19937_64 generator(kSeed);
@@ -108,7 +108,7 @@ std::vector<FormMoments> SampledMoments(const Marginals& marginals,
     }
   });
   std::vector<FormMoments> moments;
-  for (const std::vector<double>& sample : energies) moments.push_back(MomentsOfSample(sample));
+  for (const std::vector<double>& sample : energies) moments.push_back(SampleMoments(sample));
   return moments;
 }
 
@@ -160,14 +160,15 @@ double FormMoments::LowerTail(double energy) const {
   return ChiSquareCdf(dof * energy / mean, dof);
 }
 
-void ForSampledResiduals(const Marginals& marginals,
-                         const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use) {
+void ForEachSampledResidual(
+    const Marginals& marginals,
+    const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use) {
   ForRowsOfSamples(marginals, [&](const Eigen::MatrixXd& R) {
     for (const auto residual : R.rowwise()) use(Eigen::VectorXd(residual.transpose()));
   });
 }
 
-FormMoments MomentsOfSample(const std::vector<double>& energies) {
+FormMoments SampleMoments(const std::vector<double>& energies) {
   const auto n = static_cast<double>(energies.size());
   FormMoments moments{0.0, 0.0, static_cast<int>(energies.size())};
   for (const double energy : energies) moments.mean += energy / n;
@@ -177,8 +178,8 @@ FormMoments MomentsOfSample(const std::vector<double>& energies) {
   return moments;
 }
 
-std::vector<FormMoments> MomentsOf(const Marginals& marginals,
-                                   const std::vector<ResidualForm>& forms) {
+std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
+                                            const std::vector<ResidualForm>& forms) {
   return marginals.linearized().rows() <= kMaxRowsExactMoments ? ExactMoments(marginals, forms)
                                                                : SampledMoments(marginals, forms);
 }

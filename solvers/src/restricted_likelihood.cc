@@ -87,7 +87,7 @@ double ForResidualParts(const Marginals& marginals, const Use& use) {
     return 1.0;
   }
   int samples = 0;
-  ForSampledResiduals(marginals, [&](const auto& residual) {
+  ForEachSampledResidual(marginals, [&](const auto& residual) {
     use(Eigen::MatrixXd(residual));
     ++samples;
   });

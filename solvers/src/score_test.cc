@@ -30,7 +30,7 @@ constexpr double kAbsorbedJointly = 1e-7;
 
 /// Returns the variance of an effect in squares of its typical size.
 double PriorVariance(std::size_t g) {
-  return SizePrior::kTimesUsual[g] * SizePrior::kTimesUsual[g];
+  return SizePrior::kTimesTypical[g] * SizePrior::kTimesTypical[g];
 }
 
 void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eigen::Index columns) {
@@ -68,7 +68,7 @@ void ForJacobians(const LinearizedNetwork& linearized, FactorId factor, const Us
   int column = 0;
   for (int b = 0; b < edge.num_blocks; ++b) {
     const int position = network.linearization.positions(edge)[b];
-    const int size = network.layout.size_of(position);
+    const int size = network.layout.block_size(position);
     use(position, J.middleCols(column, size));
     column += size;
   }
@@ -115,7 +115,7 @@ std::vector<FactorParts> ByFactor(const LinearizedNetwork& linearized,
       const std::size_t id = AsSize(part.factor);
       if (id >= at.size()) at.resize(2 * id + 1, 0);
       if (at[id] == 0) {
-        const auto rows = linearized.RowsOf(part.factor);
+        const auto rows = linearized.FindRows(part.factor);
         if (!rows) continue;
         by_factor.push_back({part.factor, *rows, {}});
         at[id] = by_factor.size();
@@ -166,7 +166,7 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   for (std::size_t k = 0; k < from.size(); ++k) {
     touched.L.col(static_cast<Eigen::Index>(k)) = from[k].first->col(from[k].second);
   }
-  touched.L = linearized.AsRows(rows, touched.L);
+  touched.L = linearized.ToRowScaling(rows, touched.L);
   touched.runs = Runs(touched.columns);
   return touched;
 }
@@ -403,13 +403,14 @@ ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
   return Conclude(s, A, signature2, kAbsorbedJointly);
 }
 
-ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components) {
+ScoreTest TestJointly(const JointScore& score, const std::vector<Eigen::Index>& components) {
   return TestScore(score.s(components), Submatrix(score.A, components, components),
                    score.signature2(components));
 }
 
-JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components) {
-  const ScoreTest test = TestTogether(score, components);
+JointScore ConditionOnComponents(const JointScore& score,
+                                 const std::vector<Eigen::Index>& components) {
+  const ScoreTest test = TestJointly(score, components);
   const Eigen::MatrixXd A_jk = score.A(Eigen::all, components);
   const Eigen::MatrixXd gain = test.covariance * A_jk.transpose();  // A_kk^+ A_kj
   JointScore given = score;
@@ -419,26 +420,27 @@ JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Ind
   return given;
 }
 
-EvidenceForm::EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typical) {
+SizeAveragedEvidence::SizeAveragedEvidence(const Eigen::MatrixXd& A,
+                                           const Eigen::VectorXd& typical) {
   const SymmetricEigen eigen(typical.asDiagonal() * A * typical.asDiagonal());
   W_ = typical.asDiagonal() * eigen.vectors;
   d_ = eigen.values.cwiseMax(0.0);
   for (std::size_t g = 0; g < log_growth_.size(); ++g) log_growth_[g] = LogGrowth(PriorVariance(g));
 }
 
-double EvidenceForm::LogGrowth(double variance) const {
+double SizeAveragedEvidence::LogGrowth(double variance) const {
   return (1.0 + variance * d_.array()).log().sum();
 }
 
-double EvidenceForm::Explained(const Eigen::VectorXd& c, double variance) const {
+double SizeAveragedEvidence::Explained(const Eigen::VectorXd& c, double variance) const {
   return variance * (c.array().square() / (1.0 + variance * d_.array())).sum();
 }
 
-double EvidenceForm::LogEvidence(const Eigen::VectorXd& s, double variance) const {
+double SizeAveragedEvidence::LogEvidence(const Eigen::VectorXd& s, double variance) const {
   return 0.5 * (Explained(W_.transpose() * s, variance) - LogGrowth(variance));
 }
 
-double EvidenceForm::LogEvidence(const Eigen::VectorXd& s) const {
+double SizeAveragedEvidence::LogEvidence(const Eigen::VectorXd& s) const {
   const Eigen::VectorXd c = W_.transpose() * s;
   LogSum sum;
   for (std::size_t g = 0; g < log_growth_.size(); ++g) {
@@ -454,7 +456,7 @@ Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const Effect
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q, R.cols());
   for (const EffectPart& part : effect) {
     CheckPart(linearized, part, q);
-    const auto rows = linearized.RowsOf(part.factor);
+    const auto rows = linearized.FindRows(part.factor);
     if (!rows) continue;
     product.noalias() +=
         std::sqrt(rows->weight) * part.L.transpose() * R.middleRows(rows->first, rows->count);

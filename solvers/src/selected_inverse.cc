@@ -94,14 +94,14 @@ class SelectedInverse::Step {
       if (!same) first_of_owner.push_back(i);
     }
     const auto owners = static_cast<int>(first_of_owner.size());
-    SideBySide(owners, below_ < kPanel ? 1 : threads, [&](int k) {
+    ParallelForDynamic(owners, below_ < kPanelSize ? 1 : threads, [&](int k) {
       const int past = k + 1 < owners ? first_of_owner[AsSize(k + 1)] : below_;
       GatherFrom(Owner(R[first_of_owner[AsSize(k)]]), first_of_owner[AsSize(k)], past, Z_RR.get());
     });
     return Z_RR;
   }
 
-  int Owner(int column) const { return self_.cholesky_.tree().owner_of_column(column); }
+  int Owner(int column) const { return self_.cholesky_.tree().column_owner(column); }
 
   /// Copies columns first .. past of Z_RR, which belong to one supernode.
   void GatherFrom(int owner, int first, int past, double* Z_RR) const {
@@ -142,15 +142,15 @@ double* SelectedInverse::Z(int s) {
 std::optional<double> SelectedInverse::At(int i, int j) const {
   const SupernodalPattern& L = cholesky_.pattern();
   const int row = std::max(i, j), column = std::min(i, j);
-  const int s = cholesky_.tree().owner_of_column(column);
+  const int s = cholesky_.tree().column_owner(column);
   const int* begin = L.row_indices(s);
   const int* end = begin + L.rows(s);
   const int* found = std::lower_bound(begin, end, row);
   if (found == end || *found != row) return std::nullopt;
-  return ColumnOf(s, column)[found - begin];
+  return ColumnData(s, column)[found - begin];
 }
 
-const double* SelectedInverse::ColumnOf(int s, int column) const {
+const double* SelectedInverse::ColumnData(int s, int column) const {
   const SupernodalPattern& L = cholesky_.pattern();
   return value_.get() + L.value_start[AsSize(s)] +
          AsSize(column - L.column[AsSize(s)]) * AsSize(L.rows(s));
@@ -169,7 +169,7 @@ bool SelectedInverse::Gather(const std::vector<int>& indices, Eigen::MatrixXd* Z
   Z->resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   for (std::size_t c = 0; c < n; ++c) {
     const int column = indices[by_index[c]];
-    if (const int s = cholesky_.tree().owner_of_column(column); s != owner) {
+    if (const int s = cholesky_.tree().column_owner(column); s != owner) {
       owner = s;
       const int* const begin = L.row_indices(s);
       const int* const end = begin + L.rows(s);
@@ -180,7 +180,7 @@ bool SelectedInverse::Gather(const std::vector<int>& indices, Eigen::MatrixXd* Z
         place[r] = at - begin;
       }
     }
-    const double* const values = ColumnOf(owner, column);
+    const double* const values = ColumnData(owner, column);
     const auto j = static_cast<Eigen::Index>(by_index[c]);
     for (std::size_t r = c; r < n; ++r) {
       const auto i = static_cast<Eigen::Index>(by_index[r]);

@@ -32,7 +32,7 @@ class SelectedInverse {
   class Step;
 
   double* Z(int s);
-  const double* ColumnOf(int s, int column) const;
+  const double* ColumnData(int s, int column) const;
 
   const SparseCholesky& cholesky_;
   std::unique_ptr<double[]> value_;

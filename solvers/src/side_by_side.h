@@ -16,7 +16,7 @@ namespace dn {
 /// throw, the exception of the first of them (in thread order) is rethrown, and no further items
 /// are started.
 template <class Work>
-void SideBySide(int n, int threads, const Work& work) {
+void ParallelForDynamic(int n, int threads, const Work& work) {
   const int helpers = std::min(threads, n) - 1;
   if (helpers < 1) {
     for (int i = 0; i < n; ++i) work(i);
@@ -46,13 +46,14 @@ void SideBySide(int n, int threads, const Work& work) {
 }
 
 /// Number of columns, or rows, of a dense matrix that are processed together.
-inline constexpr int kPanel = 192;
+inline constexpr int kPanelSize = 192;
 
 /// Calls work(first, n) in parallel for the panels of [0, size).
 template <class Work>
 void ForPanels(int size, int threads, const Work& work) {
-  SideBySide((size + kPanel - 1) / kPanel, threads,
-             [&](int p) { work(p * kPanel, std::min(kPanel, size - p * kPanel)); });
+  ParallelForDynamic((size + kPanelSize - 1) / kPanelSize, threads, [&](int p) {
+    work(p * kPanelSize, std::min(kPanelSize, size - p * kPanelSize));
+  });
 }
 
 }  // namespace dn

@@ -139,14 +139,14 @@ SolveReport Attempt(Network& network, const SolveOptions& options,
                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const auto start = std::chrono::steady_clock::now();
   GaussNewtonReport undamped;
-  if (options.begin_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
+  if (options.start_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
     undamped = GaussNewton(network, options);
     if (!undamped.unfinished) return FinishedReport(undamped, SecondsSince(start));
   }
-  if (undamped.begun) observer->ContinueAfter(undamped.iterations);
+  if (undamped.initial_reported) observer->ContinueAfter(undamped.iterations);
   ceres_options.max_num_iterations -= undamped.iterations;
   SolveReport report = DampedSteps(network, ceres_options, *observer);
-  if (undamped.begun) report.initial_cost = undamped.initial_cost;
+  if (undamped.initial_reported) report.initial_cost = undamped.initial_cost;
   report.iterations += undamped.iterations;
   report.time_s = SecondsSince(start);
   return report;
@@ -156,9 +156,9 @@ SolveReport Attempt(Network& network, const SolveOptions& options,
 /// In the second attempt an unknown cannot lengthen its step by losing its influence.
 SolveReport SolveTwice(Network& network, const SolveOptions& options,
                        ceres::Solver::Options ceres_options, IterationObserver* observer) {
-  const FlatCheck check(network);
+  const PlateauCheck check(network);
   SolveReport first = Attempt(network, options, ceres_options, observer);
-  if (!first.converged || check.FindFlat(network).empty()) return first;
+  if (!first.converged || check.FindPlateauUnknown(network).empty()) return first;
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
   ceres_options.min_lm_diagonal = 1.0;
@@ -167,14 +167,14 @@ SolveReport SolveTwice(Network& network, const SolveOptions& options,
   second.iterations += first.iterations;
   second.time_s += first.time_s;
   const bool better = second.converged || second.final_cost <= first.final_cost;
-  if (second.interrupted || (better && check.FindFlat(network).empty())) return second;
+  if (second.interrupted || (better && check.FindPlateauUnknown(network).empty())) return second;
   if (first.final_cost < second.final_cost) {
     first_values.Restore(&network);
     second.final_cost = first.final_cost;
   }
   second.converged = false;
   second.message =
-      "ended where '" + check.FindFlat(network) +
+      "ended where '" + check.FindPlateauUnknown(network) +
       "' no longer changes the residuals; start nearer to the solution, or give this unknown a "
       "prior";
   return second;

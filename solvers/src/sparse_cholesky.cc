@@ -21,7 +21,7 @@ std::vector<int> ExpandOrder(const std::vector<int>& block_order, const UnknownL
   std::vector<int> order;
   order.reserve(static_cast<std::size_t>(layout.size()));
   for (const int position : block_order) {
-    for (int k = 0; k < layout.size_of(position); ++k) {
+    for (int k = 0; k < layout.block_size(position); ++k) {
       order.push_back(layout.offset[static_cast<std::size_t>(position)] + k);
     }
   }
@@ -134,7 +134,7 @@ double SparseCholesky::LogDeterminant() const {
   return 2.0 * sum;
 }
 
-double SparseCholesky::LeastPivot() const {
+double SparseCholesky::SmallestPivot() const {
   double least = std::numeric_limits<double>::infinity();
   ForDiagonal([&](double l) { least = std::min(least, l * l); });
   return least;

@@ -35,7 +35,7 @@ class SparseCholesky {
   double LogDeterminant() const;
 
   /// Returns the square of the smallest diagonal entry of L.
-  double LeastPivot() const;
+  double SmallestPivot() const;
 
   const SupernodalPattern& pattern() const { return analysis_->numbers.pattern(); }
   const SupernodeTree& tree() const { return analysis_->numbers.tree(); }

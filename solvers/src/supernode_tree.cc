@@ -24,10 +24,10 @@ double Operations(const SupernodalPattern& L, int s) {
 }  // namespace
 
 SupernodeTree::SupernodeTree(const SupernodalPattern& L) {
-  owner_of_column_.resize(At(L.column.back()));
+  column_owner_.resize(At(L.column.back()));
   for (int s = 0; s < L.num_supernodes(); ++s) {
-    std::fill(owner_of_column_.begin() + L.column[At(s)],
-              owner_of_column_.begin() + L.column[At(s) + 1], s);
+    std::fill(column_owner_.begin() + L.column[At(s)], column_owner_.begin() + L.column[At(s) + 1],
+              s);
   }
   FindChildren(L);
   FindBranches(L);
@@ -38,7 +38,7 @@ void SupernodeTree::FindChildren(const SupernodalPattern& L) {
   first_child_.assign(At(L.num_supernodes()) + 1, 0);
   for (int s = 0; s < L.num_supernodes(); ++s) {
     if (L.below(s) == 0) continue;
-    parent[At(s)] = owner_of_column(L.row_indices_below(s)[0]);
+    parent[At(s)] = column_owner(L.row_indices_below(s)[0]);
     ++first_child_[At(parent[At(s)]) + 1];
   }
   for (std::size_t s = 1; s < first_child_.size(); ++s) first_child_[s] += first_child_[s - 1];
@@ -87,7 +87,7 @@ void SupernodeTree::FindBranches(const SupernodalPattern& L) {
 }
 
 void SupernodeTree::Up(int threads, const Work& work) const {
-  SideBySide(static_cast<int>(branches_.size()), threads, [&](int b) {
+  ParallelForDynamic(static_cast<int>(branches_.size()), threads, [&](int b) {
     for (int s = branches_[At(b)].first; s <= branches_[At(b)].root; ++s) work(s, 1);
   });
   for (const int s : trunk_) work(s, threads);
@@ -95,7 +95,7 @@ void SupernodeTree::Up(int threads, const Work& work) const {
 
 void SupernodeTree::Down(int threads, const Work& work) const {
   for (auto s = trunk_.rbegin(); s != trunk_.rend(); ++s) work(*s, threads);
-  SideBySide(static_cast<int>(branches_.size()), threads, [&](int b) {
+  ParallelForDynamic(static_cast<int>(branches_.size()), threads, [&](int b) {
     for (int s = branches_[At(b)].root; s >= branches_[At(b)].first; --s) work(s, 1);
   });
 }

@@ -35,7 +35,7 @@ class SupernodeTree {
   explicit SupernodeTree(const SupernodalPattern& L);
 
   std::span<const int> children(int s) const;  ///< ascending
-  int owner_of_column(int c) const { return owner_of_column_[static_cast<std::size_t>(c)]; }
+  int column_owner(int c) const { return column_owner_[static_cast<std::size_t>(c)]; }
 
   /// Work for supernode s with the given number of threads.
   using Work = std::function<void(int s, int threads)>;
@@ -56,7 +56,7 @@ class SupernodeTree {
   void FindChildren(const SupernodalPattern& L);
   void FindBranches(const SupernodalPattern& L);
 
-  std::vector<int> owner_of_column_;
+  std::vector<int> column_owner_;
   /// Children of s: child_[first_child_[s]] .. child_[first_child_[s + 1]].
   std::vector<int> first_child_, child_;
   std::vector<Branch> branches_;  ///< in descending order of operations

@@ -30,7 +30,7 @@ std::vector<WeakDirection> WeakDirections(const Marginals& marginals, int k) {
       direction.one_sigma[block] = one_sigma.segment(marginals.linearized().FirstColumn(block),
                                                      impl.block(block).kind.tangent_size);
     }
-    direction.shares = SharesOf(impl.network(), found.v.col(i));
+    direction.shares = ComputeUnknownShares(impl.network(), found.v.col(i));
     direction.text = DescribeShares(direction.shares);
     directions.push_back(std::move(direction));
   }

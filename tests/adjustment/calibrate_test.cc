@@ -79,7 +79,7 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
     if (candidate.name != effect.unknown) continue;
     const JointScore score =
         ScoreEffects(without.marginals, {candidate.model}, {network.boresight.id});
-    const ScoreTest test = TestTogether(score, score.Components(0));
+    const ScoreTest test = TestJointly(score, score.Components(0));
     if (test.statistic <= most) continue;
     most = test.statistic;
     best.estimate = candidate.per_si * test.estimate;

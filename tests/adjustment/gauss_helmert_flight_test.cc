@@ -465,7 +465,7 @@ struct StripPoint {
 
 std::vector<StripPoint> ReadStrip(const Flight& flight, const fs::path& file, std::size_t every) {
   const TextTable table = ReadTextTable(file, {7});
-  const std::vector<MapPose> poses = flight.trajectory->InMap(flight.frame);
+  const std::vector<MapPose> poses = flight.trajectory->ToMapPoses(flight.frame);
   std::vector<StripPoint> points;
   for (std::size_t i = 0; i < table.rows(); i += every) {
     const double* row = table.row(i);

@@ -90,7 +90,7 @@ TEST(GnssErrors, TheWarningHasTheEntryToPaste) {
   GnssCorrelation& test = adjustment.gnss_correlation;
   test.p_value = {1.0, 1e-9, 0.5};
   test.process = {{0.01234, 0.0, 0.0567}, 118.0};
-  const auto warning = WarningOfGnssErrors(adjustment);
+  const auto warning = GnssErrorWarning(adjustment);
   ASSERT_TRUE(warning);
   EXPECT_THAT(Words(*warning), HasSubstr("lag-1 correlation"));
   const std::vector<GnssProcess> pasted = Pasted(Words(*warning));
@@ -98,7 +98,7 @@ TEST(GnssErrors, TheWarningHasTheEntryToPaste) {
   EXPECT_EQ(pasted.front(), (GnssProcess{{0.012, 0.0, 0.057}, 120.0}));
   test.p_value.setConstant(0.01);
   test.p_value_together = 0.01;
-  EXPECT_FALSE(WarningOfGnssErrors(adjustment));
+  EXPECT_FALSE(GnssErrorWarning(adjustment));
 }
 
 TEST(GnssErrors, ReportHasTheProcesses) {

@@ -64,8 +64,8 @@ TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
 TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
   const Checked without(Fly(AircraftScenario(), 3));
   ASSERT_FALSE(without.check.unseen.empty());
-  const UnseenEffect& worst = without.check.unseen.front();
-  EXPECT_GT(worst.damage, 1.0);
+  const UndetectableEffect& worst = without.check.unseen.front();
+  EXPECT_GT(worst.max_shift_sigmas, 1.0);
   EXPECT_GT(worst.minimal_detectable, worst.usual);
   const EffectSpec& spec = *FindEffect(worst.name);
   std::string value;
@@ -84,13 +84,13 @@ TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
 TEST(ModelCheck, UndetectableEffectsDoNotDependOnTheData) {
   const Checked one(Fly(AircraftScenario(), 3));
   for (std::size_t k = 1; k < one.check.unseen.size(); ++k) {
-    EXPECT_GE(one.check.unseen[k - 1].damage, one.check.unseen[k].damage);
+    EXPECT_GE(one.check.unseen[k - 1].max_shift_sigmas, one.check.unseen[k].max_shift_sigmas);
     EXPECT_NE(one.check.unseen[k - 1].name, one.check.unseen[k].name);
   }
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.estimate.push_back({.unknown = one.check.unseen[0].name});
   const Checked estimated(std::move(simulated));
-  for (const UnseenEffect& unseen : estimated.check.unseen) {
+  for (const UndetectableEffect& unseen : estimated.check.unseen) {
     EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an estimated unknown is detectable";
   }
 }
@@ -211,8 +211,8 @@ TEST(ModelCheck, AnUnknownWithACompetingEffectIsNotObservable) {
   const Checked by_accel =
       CheckedWithUnknown(turned, {.unknown = "accel_misalignment", .sigma = {3.0}});
   EXPECT_EQ(by_gyro.boresight().verdict, Verdict::kNotObservable);
-  ASSERT_EQ(by_gyro.check.rivals.size(), 1u);
-  const RivalCheck& rival = by_gyro.check.rivals.front();
+  ASSERT_EQ(by_gyro.check.competing_effects.size(), 1u);
+  const CompetingEffectCheck& rival = by_gyro.check.competing_effects.front();
   EXPECT_EQ(rival.unknown, "gyro_misalignment");
   EXPECT_EQ(rival.rival, "accel_misalignment");
   const Eigen::Vector3d moved = Log(Eigen::Quaterniond(
@@ -226,7 +226,8 @@ TEST(ModelCheck, AnUnknownWithACompetingEffectIsNotObservable) {
 TEST(ModelCheck, AnUnknownByItselfIsCalibrated) {
   const std::string late = "effects: [{effect: gnss_lever_arm, value: [0.3, -0.2, 0.2]}]\n";
   const Checked flight = CheckedWithUnknown(late, {.unknown = "gnss_lever_arm"});
-  EXPECT_TRUE(flight.check.rivals.empty() || flight.check.rivals.front().damage <= 1.0);
+  EXPECT_TRUE(flight.check.competing_effects.empty() ||
+              flight.check.competing_effects.front().max_shift_sigmas <= 1.0);
   EXPECT_EQ(flight.boresight().verdict, Verdict::kCalibrated) << flight.first_reason();
 }
 
@@ -274,13 +275,13 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
 TEST(ModelCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const Checked without(Fly(AircraftScenario(), 3));
   const Checked with(testing::FlyWithTorsion(AircraftScenario(), 0.02));
-  const DepartureCheck& by_angle = with.check.departures.front();
+  const DiscrepancyCheck& by_angle = with.check.departures.front();
   EXPECT_EQ(by_angle.name, "laser vectors by scan angle");
   EXPECT_LT(by_angle.p_value, 1e-4);
   EXPECT_GT(without.check.departures.front().p_value, 0.1);
   const Finding* unnamed = nullptr;
   for (const Finding& finding : with.check.findings) {
-    if (finding.As<facts::DepartureUnnamed>() != nullptr) unnamed = &finding;
+    if (finding.As<facts::UnmodelledDiscrepancy>() != nullptr) unnamed = &finding;
   }
   ASSERT_NE(unnamed, nullptr);
   EXPECT_TRUE(unnamed->contradicts);
@@ -292,7 +293,7 @@ TEST(ModelCheck, AFoundEffectLeavesNoDiscrepancy) {
       Fly(AircraftScenario("effects: [{effect: lidar_angle_scale, value: 1500}]\n"), 3));
   ASSERT_FALSE(flight.check.effects.empty());
   EXPECT_EQ(flight.check.effects.front().name, "lidar_angle_scale");
-  for (const DepartureCheck& departure : flight.check.departures) {
+  for (const DiscrepancyCheck& departure : flight.check.departures) {
     EXPECT_GT(departure.p_value, 0.01) << departure.name;
   }
 }
@@ -301,7 +302,7 @@ TEST(ModelCheck, NoiseOfThePairsIsNotADiscrepancy) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->sigma_p_m *= 0.5;
   const Checked flight(std::move(simulated));
-  for (const DepartureCheck& departure : flight.check.departures) {
+  for (const DiscrepancyCheck& departure : flight.check.departures) {
     EXPECT_GT(departure.p_value, 0.01) << departure.name;
   }
 }

@@ -24,7 +24,7 @@ class PairResidualsOfADrone : public ::testing::Test {
     const FlightNetwork& network = *calibration_->adjustment.network;
     trajectory_ = new Trajectory(DenseTrajectory(network, kSpacingS));
     residuals_ = new std::vector<PairResidual>(
-        PairResiduals(network, PoseInterpolator(trajectory_->InMap(network.flight().frame))));
+        PairResiduals(network, PoseInterpolator(trajectory_->ToMapPoses(network.flight().frame))));
   }
   static void TearDownTestSuite() {
     delete residuals_;
@@ -55,7 +55,7 @@ TEST_F(PairResidualsOfADrone, AreThoseOfTheAdjustment) {
 TEST_F(PairResidualsOfADrone, BeforeAndAfterDifferByTheBoresight) {
   Flight calibrated = *flight_;
   calibrated.config.lidar->mounting.boresight_rad = calibration_->boresight.angles_rad;
-  const PoseInterpolator poses(trajectory_->InMap(flight_->frame));
+  const PoseInterpolator poses(trajectory_->ToMapPoses(flight_->frame));
   for (std::size_t k = 0; k < residuals_->size(); ++k) {
     const LidarPair& pair = calibration_->adjustment.network->pair_edges[k].pair;
     const Mounting& mounting = calibrated.config.lidar->mounting;

@@ -36,8 +36,8 @@ struct PlaneFlight {
     flight.config.trajectory = TrajectoryConfig();
   }
 
-  std::vector<SeenPlane> Planes(int count, double steepest_rad, bool one_aspect = false,
-                                double range_offset_m = 0.0) {
+  std::vector<ObservedPlane> Planes(int count, double steepest_rad, bool one_aspect = false,
+                                    double range_offset_m = 0.0) {
     Mounting mounting = flight.config.lidar->mounting;
     mounting.boresight_rad = truth_rad;
     const TrajectoryEnds ends(flight);
@@ -45,13 +45,13 @@ struct PlaneFlight {
     std::normal_distribution<double> noise(0.0, kNoiseM);
     const double ground_m = flight.frame.ToMap(flight.trajectory->points().front().position).z();
     const std::vector<StripInterval> strips = FindStrips(flight);
-    std::vector<SeenPlane> planes;
+    std::vector<ObservedPlane> planes;
     for (int q = 0; q < count; ++q) {
       const Vector3d c(kSpanM * uniform(rng), kSpanM * uniform(rng),
                        std::min(0.0, ground_m) + 5.0 * uniform(rng));
       const Vector3d n = testing::SlopingNormal(steepest_rad * std::abs(uniform(rng)),
                                                 one_aspect ? 0.0 : 3.14159 * uniform(rng));
-      SeenPlane& plane = planes.emplace_back();
+      ObservedPlane& plane = planes.emplace_back();
       plane.sigma_m = kNoiseM;
       for (std::size_t s = 0; s < strips.size(); ++s) {
         const double t_s = NearestEpoch(ends, strips[s], c);
@@ -147,9 +147,9 @@ TEST(PlaneFlight, TooParallelPlanesAreAFindingWithTheirSpread) {
 
 TEST(PlaneFlight, LargerResidualsThanStatedContradict) {
   PlaneFlight test;
-  std::vector<SeenPlane> planes = test.Planes(40, 0.6);
+  std::vector<ObservedPlane> planes = test.Planes(40, 0.6);
   std::normal_distribution<double> waves(0.0, 1.0);
-  for (SeenPlane& plane : planes) {
+  for (ObservedPlane& plane : planes) {
     for (PlanePoint& point : plane.points) point.end.p_mb.z() += waves(test.rng);
   }
   const PlaneCalibration result = CalibratePlanes(test.flight, std::move(planes));

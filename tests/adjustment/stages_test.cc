@@ -58,9 +58,9 @@ TEST(Stages, TheDefaultStagesAreAList) {
   EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS clock", "GNSS screening",
                                  "inertial rate", "before final", "final least squares"));
   std::vector<AdjustmentStage> all = DefaultStages();
-  EXPECT_EQ(StageNamed("pair rejection", &all)->name, "pair rejection");
+  EXPECT_EQ(FindStage("pair rejection", &all)->name, "pair rejection");
   try {
-    StageNamed("pair rejections", &all);
+    FindStage("pair rejections", &all);
     FAIL() << "found";
   } catch (const InvalidConfig& e) {
     EXPECT_THAT(e.what(), HasSubstr("'pair rejection'"));
@@ -71,7 +71,7 @@ TEST(Stages, OneMayBeLeftOut) {
   const SimulatedFlight sim = WithWrongPairs(5);
   AdjustOptions options;
   options.stages = DefaultStages();
-  options.stages.erase(StageNamed("pair rejection", &options.stages));
+  options.stages.erase(FindStage("pair rejection", &options.stages));
   EXPECT_EQ(Adjust(sim.flight, options).outliers, 0);
   EXPECT_GT(Adjust(sim.flight).outliers, 0);
 }
@@ -81,7 +81,7 @@ TEST(Stages, OneMayBeAdded) {
   std::vector<std::string> solved_before;
   AdjustOptions options;
   options.stages = DefaultStages();
-  options.stages.insert(StageNamed("pair rejection", &options.stages),
+  options.stages.insert(FindStage("pair rejection", &options.stages),
                         {"look", [&](AdjustmentRun& run) {
                            EXPECT_EQ(&run.flight(), &sim.flight);
                            for (const StageReport& stage : run.result().stages) {
@@ -101,7 +101,7 @@ TEST(Stages, PairsMayBeJudgedTwice) {
   const SimulatedFlight sim = WithWrongPairs(5);
   AdjustOptions options;
   options.stages = DefaultStages();
-  options.stages.insert(StageNamed("before final", &options.stages),
+  options.stages.insert(FindStage("before final", &options.stages),
                         {"pair rejection again", [](AdjustmentRun& run) {
                            run.Solve("lidar, robust again", 6);
                            RejectPairs(run);
@@ -160,7 +160,7 @@ TEST_P(OwnFactors, AreSeenByTheStagesThatFollow) {
   (before_lidar ? options.customise_before_lidar : options.customise) = add;
   options.stages = DefaultStages();
   double offset_at_rejection_m = 0.0;
-  options.stages.insert(StageNamed("pair rejection", &options.stages),
+  options.stages.insert(FindStage("pair rejection", &options.stages),
                         {"look", [&](AdjustmentRun& run) {
                            if (offset_.id >= 0) {
                              offset_at_rejection_m = run.network().net.Value(offset_);

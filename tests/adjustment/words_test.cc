@@ -22,7 +22,7 @@ EffectCheck LateTags() {
   effect.estimate = Eigen::VectorXd::Constant(1, 20.0);
   effect.sigma = Eigen::VectorXd::Constant(1, 0.5);
   effect.boresight_rad = Eigen::Vector3d(0.1, -0.02, 0.003) * kDeg;
-  effect.damage = 12.0;
+  effect.max_shift_sigmas = 12.0;
   return effect;
 }
 
@@ -54,18 +54,18 @@ TEST(Words, AnEffectIsReportedWithItsShift) {
 }
 
 TEST(Words, ADiscrepancyIsReportedWithItsShift) {
-  DepartureCheck check;
+  DiscrepancyCheck check;
   check.name = "laser vectors by scan angle";
   check.p_value = 2e-5;
-  check.damage = 5.36;
+  check.max_shift_sigmas = 5.36;
   EXPECT_THAT(
-      Words(Finding{facts::DepartureUnnamed{check}, true}),
+      Words(Finding{facts::UnmodelledDiscrepancy{check}, true}),
       HasSubstr("laser vectors by scan angle show a discrepancy that no known effect explains "
                 "(p = 2e-05); it may move the boresight by 5.4 sigma"));
 }
 
 TEST(Words, ACompetingEffectIsReportedWithItsShift) {
-  RivalCheck check{"gyro_misalignment", "accel_misalignment", -0.5, {}, 33.3};
+  CompetingEffectCheck check{"gyro_misalignment", "accel_misalignment", -0.5, {}, 33.3};
   check.boresight_rad = Eigen::Vector3d(28.7, -23.5, 19.9) * 1e-3 * kRadPerDeg;
   EXPECT_THAT(Words(Finding{facts::UnknownAmbiguous{check, true}}),
               HasSubstr("accel_misalignment instead of gyro_misalignment explains the data equally "
@@ -97,15 +97,15 @@ TEST(Words, TheFileOverridesTheCorrelationTimeOfThePairs) {
   facts::SigmasWidened fact;
   fact.ratio = {2.0, 3.0, 4.0};
   fact.scaled_rad = fact.constant_rad = Eigen::Vector3d::Constant(0.001 * kDeg);
-  fact.scattered_rad = Eigen::Vector3d::Constant(0.002 * kDeg);
+  fact.correlated_rad = Eigen::Vector3d::Constant(0.002 * kDeg);
   fact.source = "a.txt";
   fact.tau_s = 41.0;
   EXPECT_THAT(Words(Finding{fact}), HasSubstr("as stated by a.txt, is absorbed without showing"));
   EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
-  fact.times_shown = true;
+  fact.tau_shown = true;
   EXPECT_THAT(Words(Finding{fact}), HasSubstr("a correlation time of about 41 s, which contribute "
                                               "0.00200, 0.00200, 0.00200 deg to the sigmas"));
-  fact.times_stated = true;
+  fact.tau_stated = true;
   EXPECT_THAT(Words(Finding{fact}),
               HasSubstr("according to a.txt they are time-correlated, and contribute"));
   EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));

@@ -221,7 +221,7 @@ std::string WithoutLines(const std::string& table, const std::function<bool(int)
 }
 
 /// Returns the line of IMU.txt whose interval contains the first epoch of the first pair.
-int LineOfAPair(const DamagedFlight& flight) {
+int FindPairLine(const DamagedFlight& flight) {
   const std::string pairs = flight.Read("lidar/" + NamesIn(flight.path() / "lidar").front());
   const double pair_s = std::stod(pairs);
   std::istringstream in(flight.Read("IMU.txt"));
@@ -234,7 +234,7 @@ int LineOfAPair(const DamagedFlight& flight) {
 
 TEST(CliBadInput, ALostImuRowAtAPairIsBridged) {
   const DamagedFlight flight;
-  const int lost = LineOfAPair(flight);
+  const int lost = FindPairLine(flight);
   flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"), [&](int k) { return k == lost; }));
   const ProgramRun run = flight.Run("calibrate");
   EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -245,7 +245,7 @@ TEST(CliBadInput, ALostImuRowAtAPairIsBridged) {
 
 TEST(CliBadInput, PairsInAHoleOfTheImuDataAreLeftOutAndCounted) {
   const DamagedFlight flight;
-  const int lost = LineOfAPair(flight);
+  const int lost = FindPairLine(flight);
   flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"),
                                        [&](int k) { return k > lost - 10 && k < lost + 10; }));
   const ProgramRun run = flight.Run("calibrate");

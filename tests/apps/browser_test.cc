@@ -24,7 +24,7 @@ bool HasBrowser() {
   return std::system((std::string("command -v ") + kBrowser + " > /dev/null").c_str()) == 0;
 }
 
-std::string OutputOf(const std::string& command) {
+std::string CaptureOutput(const std::string& command) {
   std::string text;
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return text;
@@ -65,7 +65,7 @@ struct Seen {
 Seen Show(const fs::path& page, int width) {
   const TempFolder folder;
   folder.Write("frame.html", Frame(fs::absolute(page), width));
-  const std::string out = OutputOf(
+  const std::string out = CaptureOutput(
       std::string(kBrowser) +
       " --headless=new --no-sandbox --disable-gpu --enable-logging=stderr "
       "--allow-file-access-from-files --window-size=1400,2000 --virtual-time-budget=8000 "

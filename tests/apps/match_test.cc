@@ -53,7 +53,7 @@ TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
   EXPECT_GT(counts["pairs"].get<int>(), 20);
   EXPECT_GE(counts["registered"].get<int>(), counts["pairs"].get<int>());
   EXPECT_TRUE(fs::exists(In("matched/lidar/1_2.txt")));
-  ExpectPageOfItsFiles(In("matched"), 40);
+  ExpectPageMatchesFiles(In("matched"), 40);
   const Json swaths = Read("matched/swaths.json")["swaths"];
   ASSERT_EQ(swaths.size(), 2u);
   EXPECT_EQ(swaths[0]["line_en_m"].size(), 60u);
@@ -123,7 +123,7 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
   EXPECT_TRUE(fs::exists(In("all/result_gh.json")));
   EXPECT_TRUE(fs::exists(In("all/match.json")));
   EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
-  ExpectPageOfItsFiles(In("all"), 200);
+  ExpectPageMatchesFiles(In("all"), 200);
   EXPECT_THAT(ContentOf(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
   // The GNSS screening runs once without pairs, for matching and planes, and once with them.
   EXPECT_EQ(CountOf("dn calibrate: GNSS screening", run.err), 2) << run.err;

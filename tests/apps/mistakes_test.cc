@@ -162,7 +162,7 @@ void UndeclaredAxes(const FlightOfNumbers& flight) {
   });
 }
 
-void UndeclaredAxesOfAll(const FlightOfNumbers& flight) {
+void ConvertAllAxesUndeclared(const FlightOfNumbers& flight) {
   UndeclaredAxes(flight);
   flight.Set("gnss.lever_arm_m", "[0.4, 0.1, 1.1]");
   flight.Set("lidar.lever_arm_m", "[0.14, 0.02, -0.21]");
@@ -170,7 +170,7 @@ void UndeclaredAxesOfAll(const FlightOfNumbers& flight) {
 }
 
 void UndeclaredAxesAndNadir(const FlightOfNumbers& flight) {
-  UndeclaredAxesOfAll(flight);
+  ConvertAllAxesUndeclared(flight);
   flight.Set("lidar.nadir_axis", "[-1, 0, 0]");
 }
 
@@ -192,7 +192,7 @@ void GyroScale(const FlightOfNumbers& flight) {
               {"IMU.txt", "GPS.txt", "lidar"});
 }
 
-void PairsOfAnotherFlight(const FlightOfNumbers& flight) {
+void TakePairsOfOtherFlight(const FlightOfNumbers& flight) {
   flight.Take(Simulated("[-700, 0, 700, 0, 700, 45]", "[-700, 60, 700, 60, 700, 45]", 2),
               {"lidar"});
 }
@@ -273,7 +273,7 @@ const Mistake kMistakes[] = {
     {"LidarLeverArmInMillimetres", Set("lidar.lever_arm_m", "[140, -20, 210]"),
      Must::kBeContradicted},
     {"EpochsOfPairsSwapped", SwapEpochs, Must::kBeContradicted},
-    {"PairsOfAnotherFlight", PairsOfAnotherFlight, Must::kBeContradicted},
+    {"PairsOfAnotherFlight", TakePairsOfOtherFlight, Must::kBeContradicted},
     {"PairsShuffled",
      [](const FlightOfNumbers& f) {
        ShufflePairs(f, {1, 5, 6, 7});
@@ -296,7 +296,7 @@ const Mistake kMistakes[] = {
     {"GyroScaleOf1000ppm", GyroScale},
     {"GnssSigmasATenth", GnssSigmasATenth, Must::kBeContradicted},
     {"InertialAxesUndeclared", UndeclaredAxes, Must::kBeContradicted},
-    {"BodyAxesUndeclared", UndeclaredAxesOfAll, Must::kBeContradicted},
+    {"BodyAxesUndeclared", ConvertAllAxesUndeclared, Must::kBeContradicted},
     {"BodyAxesUndeclaredAndNadirTurned", UndeclaredAxesAndNadir, Must::kBeContradicted},
     {"AxesDeclaredThatAreNot", Set("body", "FLU"), Must::kBeContradicted},
     {"ThreePairs", KeepThreePairs, Must::kNotBeObservable},

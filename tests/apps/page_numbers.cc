@@ -38,7 +38,7 @@ std::vector<Shown> ParseShownNumbers(const std::string& html) {
 }
 
 /// Returns half a unit of the last digit of a number in a text, plus a margin for double rounding.
-double HalfOfTheLastDigit(const std::string& text) {
+double HalfLastDigit(const std::string& text) {
   const std::size_t exponent = text.find('e');
   const std::string mantissa = text.substr(0, exponent);
   const std::size_t point = mantissa.find('.');
@@ -51,7 +51,7 @@ double HalfOfTheLastDigit(const std::string& text) {
 
 }  // namespace
 
-void ExpectPageOfItsFiles(const std::filesystem::path& folder, std::size_t least) {
+void ExpectPageMatchesFiles(const std::filesystem::path& folder, std::size_t least) {
   SCOPED_TRACE(folder.string());
   const std::string html = ContentOf(folder / "report.html");
   EXPECT_LT(html.size(), kMostBytes);
@@ -66,7 +66,7 @@ void ExpectPageOfItsFiles(const std::filesystem::path& folder, std::size_t least
     ASSERT_TRUE(files[shown.file].contains(pointer)) << shown.file << shown.pointer;
     EXPECT_EQ(files[shown.file][pointer].get<double>(), shown.value) << shown.pointer;
     EXPECT_NEAR(std::strtod(shown.text.c_str(), nullptr), shown.scale * shown.value,
-                HalfOfTheLastDigit(shown.text))
+                HalfLastDigit(shown.text))
         << shown.pointer;
   }
 }

@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 std::string PageIn(const fs::path& folder) { return ContentOf(folder / "report.html"); }
 
 TEST(CliPage, NumbersAreThoseOfTheFiles) {
-  ExpectPageOfItsFiles(CalibrateResult(), 150);
-  ExpectPageOfItsFiles(SmoothResult(), 100);
-  ExpectPageOfItsFiles(GapResult(), 100);
-  ExpectPageOfItsFiles(CheckResult(), 3);
-  ExpectPageOfItsFiles(ShortFlight(), 3);
+  ExpectPageMatchesFiles(CalibrateResult(), 150);
+  ExpectPageMatchesFiles(SmoothResult(), 100);
+  ExpectPageMatchesFiles(GapResult(), 100);
+  ExpectPageMatchesFiles(CheckResult(), 3);
+  ExpectPageMatchesFiles(ShortFlight(), 3);
 }
 
 TEST(CliPage, ItsFirstScreenAnswers) {

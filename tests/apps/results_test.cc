@@ -28,7 +28,7 @@ constexpr std::size_t kSbetRecordBytes = 17 * 8;
 
 Json JsonOf(const fs::path& file) { return Json::parse(ContentOf(file)); }
 
-std::vector<std::string> KeysOf(const Json& json) {
+std::vector<std::string> JsonKeys(const Json& json) {
   std::vector<std::string> keys;
   for (const auto& item : json.items()) keys.push_back(item.key());
   return keys;
@@ -114,7 +114,7 @@ TEST(CliSmooth, SmoothJson) {
   const Json& innovations = smooth["innovations"]["gnss position"];
   EXPECT_TRUE(innovations["nis"].is_number());
   for (const char* axis : {"east", "north", "up"}) {
-    EXPECT_THAT(KeysOf(innovations[axis]),
+    EXPECT_THAT(JsonKeys(innovations[axis]),
                 IsSupersetOf({"mean", "variance", "expected_variance", "lag1_correlation",
                               "autocorrelation", "worst_epochs"}));
   }
@@ -198,7 +198,7 @@ TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); 
 
 TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   const Json result = JsonOf(CalibrateResult() / "result.json");
-  EXPECT_THAT(KeysOf(result),
+  EXPECT_THAT(JsonKeys(result),
               UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment",
                                    "correlations", "estimates", "clocks", "adjustment",
                                    "strip_pairs", "model_check", "timing_s"));
@@ -218,11 +218,11 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   EXPECT_THAT(result["assessment"]["verdict"].get<std::string>(),
               AnyOf("calibrated", "absorbed", "not_observable"));
   EXPECT_TRUE(result["assessment"]["reasons"].is_array());
-  EXPECT_THAT(KeysOf(result["model_check"]),
+  EXPECT_THAT(JsonKeys(result["model_check"]),
               IsSupersetOf({"groups", "effects", "p_value", "findings", "unseen"}));
   ASSERT_FALSE(result["model_check"]["unseen"].empty());
   for (const Json& unseen : result["model_check"]["unseen"]) {
-    EXPECT_THAT(KeysOf(unseen),
+    EXPECT_THAT(JsonKeys(unseen),
                 UnorderedElementsAre("effect", "component", "usual", "minimal_detectable", "unit",
                                      "boresight_damage_mdeg", "damage_sigmas"));
     EXPECT_GT(unseen["damage_sigmas"], 1.0);
@@ -231,15 +231,16 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
               HasSubstr("Undetectable effects of typical size"));
   for (const Json& departure : result["model_check"]["departures"]) {
-    EXPECT_THAT(KeysOf(departure), UnorderedElementsAre("name", "statistic", "dof", "p_value",
-                                                        "boresight_damage_mdeg", "damage_sigmas"));
+    EXPECT_THAT(JsonKeys(departure),
+                UnorderedElementsAre("name", "statistic", "dof", "p_value", "boresight_damage_mdeg",
+                                     "damage_sigmas"));
     EXPECT_GT(departure["p_value"], 1e-3);
   }
   EXPECT_EQ(result["model_check"]["departures"].size(), 2u);
   EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
               HasSubstr("Differences of laser vectors that no effect explains"));
   ASSERT_FALSE(result["model_check"]["groups"].empty());
-  EXPECT_THAT(KeysOf(result["model_check"]["groups"][0]),
+  EXPECT_THAT(JsonKeys(result["model_check"]["groups"][0]),
               UnorderedElementsAre("name", "observations", "redundancy", "variance_ratio",
                                    "p_value", "worst"));
   for (const char* bias : {"boresight_to_accel_bias", "boresight_to_gyro_bias"}) {
@@ -248,8 +249,8 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
     EXPECT_TRUE(result["correlations"][bias]["rms"].is_number());
   }
   EXPECT_TRUE(result["estimates"].is_object());
-  EXPECT_THAT(KeysOf(result["clocks"]), UnorderedElementsAre("gnss", "lidar"));
-  EXPECT_THAT(KeysOf(result["clocks"]["gnss"]),
+  EXPECT_THAT(JsonKeys(result["clocks"]), UnorderedElementsAre("gnss", "lidar"));
+  EXPECT_THAT(JsonKeys(result["clocks"]["gnss"]),
               UnorderedElementsAre("offset_s", "sigma_offset_s", "drift_ppm", "sigma_drift_ppm",
                                    "correlation"));
   const Json& adjustment = result["adjustment"];

@@ -24,7 +24,7 @@ TEST(CliStudy, OfAScenarioWritesWhatTheContractNames) {
   EXPECT_THAT(NamesIn(out),
               IsSupersetOf({"config.resolved.yaml", "report.json", "study.json", "summary.txt"}));
   EXPECT_EQ(run.out, ContentOf(out / "summary.txt"));
-  ExpectPageOfItsFiles(out, 20);
+  ExpectPageMatchesFiles(out, 20);
   const Json study = JsonIn(out / "study.json");
   EXPECT_EQ(study["schema"], "dn.study/1");
   for (const char* key : {"sigma_deg", "covariance_deg2", "correlation"}) {
@@ -158,7 +158,7 @@ TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
                            "base.yaml", "report.html"}) {
     EXPECT_EQ(ContentOf(both / name), ContentOf(whole / name)) << name;
   }
-  ExpectPageOfItsFiles(whole, 12);
+  ExpectPageMatchesFiles(whole, 12);
   EXPECT_THAT(ContentOf(whole / "report.html"), HasSubstr("2 of them would determine"));
   const std::string csv = ContentOf(whole / "sweep.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);

@@ -1,7 +1,7 @@
-#include <dn/effects/effect_table.h>
-#include <dn/error.h>
 #include <dn/blind_check/blind_flight.h>
 #include <dn/blind_check/blind_record.h>
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ TEST(BlindFlight, ItsContentHasTheStatedShares) {
   EXPECT_NEAR(share[BlindContent::kNothing], 0.2, 0.1);
   EXPECT_NEAR(share[BlindContent::kOneEffect], 0.5, 0.12);
   EXPECT_NEAR(share[BlindContent::kTwoEffects], 0.1, 0.08);
-  EXPECT_NEAR(share[BlindContent::kOutsider], 0.2, 0.1);
+  EXPECT_NEAR(share[BlindContent::kUnlistedEffect], 0.2, 0.1);
 }
 
 TEST(BlindFlight, OfASuiteOfEffectsLeftOutHasOne) {
@@ -55,7 +55,7 @@ TEST(BlindFlight, OfASuiteOfEffectsLeftOutHasOne) {
 
 TEST(BlindFlight, OfASuiteOfOneContentHasThat) {
   for (const BlindContent content : {BlindContent::kNothing, BlindContent::kOneEffect,
-                                     BlindContent::kTwoEffects, BlindContent::kOutsider}) {
+                                     BlindContent::kTwoEffects, BlindContent::kUnlistedEffect}) {
     BlindSuite suite = Suite();
     suite.only = content;
     for (int number = 1; number <= 4; ++number) {
@@ -175,12 +175,12 @@ TEST(BlindFlight, CanBeFlownWithPairsOfAllStrips) {
   }
 }
 
-TEST(Outsider, EachSpoilsItsSensorAlone) {
+TEST(UnlistedEffect, EachSpoilsItsSensorAlone) {
   const Scenario scenario = testing::SmallScenario();
   const FlightTimes times = PlannedTimes(scenario, 1);
   Random random(4, "outsiders");
-  for (const std::string& name : OutsiderNames()) {
-    const Outsider outsider = DrawOutsider(name, times, random);
+  for (const std::string& name : UnlistedEffectNames()) {
+    const UnlistedEffect outsider = DrawUnlistedEffect(name, times, random);
     EXPECT_EQ(outsider.name, name);
     const OwnErrors own = MakeOwnErrors(outsider, scenario);
     const int hooks = (own.gyro_radps ? 1 : 0) + (own.antenna_enu_m ? 1 : 0) +
@@ -192,7 +192,7 @@ TEST(Outsider, EachSpoilsItsSensorAlone) {
   EXPECT_THROW(MakeOwnErrors({"none", {}}, scenario), InvalidInput);
 }
 
-TEST(Outsider, ATorsionIsAlongTheScanAxisByAHarmonicOfTheAngle) {
+TEST(UnlistedEffect, ATorsionIsAlongTheScanAxisByAHarmonicOfTheAngle) {
   const Scenario scenario = testing::SmallScenario();
   const OwnErrors own = MakeOwnErrors(
       {"scan_torsion", {{"amplitude_deg", 0.05}, {"harmonic", 4}, {"phase_rad", 0.3}}}, scenario);
@@ -205,11 +205,12 @@ TEST(Outsider, ATorsionIsAlongTheScanAxisByAHarmonicOfTheAngle) {
   }
 }
 
-TEST(Outsider, AClockWalkIsContinuousAndStartsAtZero) {
+TEST(UnlistedEffect, AClockWalkIsContinuousAndStartsAtZero) {
   const Scenario scenario = testing::SmallScenario();
   const FlightTimes times = PlannedTimes(scenario, 1);
   Random random(4, "walk");
-  const OwnErrors own = MakeOwnErrors(DrawOutsider("lidar_clock_walk", times, random), scenario);
+  const OwnErrors own =
+      MakeOwnErrors(DrawUnlistedEffect("lidar_clock_walk", times, random), scenario);
   const double first_s = times.strips.front().t0_s, last_s = times.strips.back().t1_s;
   double largest = 0.0, before = own.lidar_tag_shift_s(first_s - 1.0);
   EXPECT_EQ(before, 0.0);
@@ -222,11 +223,12 @@ TEST(Outsider, AClockWalkIsContinuousAndStartsAtZero) {
   EXPECT_GT(largest, 2e-5);
 }
 
-TEST(Outsider, AWarmingBoresightIsZeroInTheMiddleOfTheStrips) {
+TEST(UnlistedEffect, AWarmingBoresightIsZeroInTheMiddleOfTheStrips) {
   const Scenario scenario = testing::SmallScenario();
   const FlightTimes times = PlannedTimes(scenario, 1);
   Random random(4, "warming");
-  const OwnErrors own = MakeOwnErrors(DrawOutsider("boresight_warming", times, random), scenario);
+  const OwnErrors own =
+      MakeOwnErrors(DrawUnlistedEffect("boresight_warming", times, random), scenario);
   MapPose pose;
   pose.t_s = 0.5 * (times.strips.front().t0_s + times.strips.back().t1_s);
   EXPECT_EQ(own.boresight_rad(pose).norm(), 0.0);

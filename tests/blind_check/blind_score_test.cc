@@ -1,5 +1,5 @@
-#include <dn/error.h>
 #include <dn/blind_check/blind_score.h>
+#include <dn/error.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ BlindRecord Record(int number, const std::vector<std::string>& truth, const Said
 
 BlindRecord Outside(int number, const Said& said, bool unknown = false) {
   BlindRecord record = Record(number, {}, said);
-  record.content = BlindContent::kOutsider;
+  record.content = BlindContent::kUnlistedEffect;
   record.outsider = {"scan_torsion", {}};
   record.diagnosis.result->unknown = unknown;
   return record;
@@ -141,12 +141,12 @@ TEST(BlindScore, ThePosteriorIsComparedWithWhatIsThere) {
                                                {"lidar_scan_cone", 1.0, {}, {}}};
   }
   const BlindScore score = ScoreBlindFlights(records);
-  EXPECT_EQ(score.reliability[8].true_ones.hits, 8);
-  EXPECT_EQ(score.reliability[8].true_ones.of, 10);
+  EXPECT_EQ(score.reliability[8].true_causes.hits, 8);
+  EXPECT_EQ(score.reliability[8].true_causes.of, 10);
   EXPECT_NEAR(score.reliability[8].stated, 0.81, 1e-12);
-  EXPECT_EQ(score.reliability[9].true_ones.of, 10) << "1 belongs to the last bin";
-  EXPECT_EQ(score.reliability[9].true_ones.hits, 0);
-  EXPECT_EQ(score.reliability[0].true_ones.of, 0);
+  EXPECT_EQ(score.reliability[9].true_causes.of, 10) << "1 belongs to the last bin";
+  EXPECT_EQ(score.reliability[9].true_causes.hits, 0);
+  EXPECT_EQ(score.reliability[0].true_causes.of, 0);
   EXPECT_NEAR(score.truth_posterior.median, 0.81, 1e-12);
 }
 

@@ -266,10 +266,10 @@ TEST(Effects, GravityGainsTowardNorthAndEast) {
   const Flight flight = LidarFlight();
   const Vector3d origin = Vector3d::Zero();
   const double g_mps2 = flight.frame.Gravity(origin).norm();
-  const AttractionBasis tilt =
-      std::get<AttractionField>(Make("gravity_tilt", flight))(origin) / g_mps2;
-  const AttractionBasis more =
-      std::get<AttractionField>(Make("gravity_disturbance", flight))(origin);
+  const GravitationBasis tilt =
+      std::get<GravitationField>(Make("gravity_tilt", flight))(origin) / g_mps2;
+  const GravitationBasis more =
+      std::get<GravitationField>(Make("gravity_disturbance", flight))(origin);
   EXPECT_LE((tilt.col(0) - Vector3d::UnitY()).norm(), 1e-9);
   EXPECT_LE((tilt.col(1) - Vector3d::UnitX()).norm(), 1e-9);
   EXPECT_LE((more.col(0) + Vector3d::UnitZ()).norm(), 1e-5);
@@ -293,8 +293,8 @@ TEST(AssumedCalibration, HasTheEffectsOfEstimateAtZeroInTheOrderOfCorrections) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"accel_scale_factor", "gyro_misalignment",
                                              "gravity_tilt", "lidar_scan_cone"}));
-  EXPECT_EQ(EffectsOfInertial(state), (std::vector<std::size_t>{0, 1, 2}));
-  EXPECT_EQ(EffectsOfPairs(state), (std::vector<std::size_t>{3, 0, 1, 2}));
+  EXPECT_EQ(InertialEffectIndices(state), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(PairEffectIndices(state), (std::vector<std::size_t>{3, 0, 1, 2}));
 }
 
 TEST(AssumedCalibration, RefusesWhatLacksItsTimeOrItsSensor) {

@@ -315,7 +315,7 @@ TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
     Solved solved;
     for (int k = 0; k < 3; ++k) {
       solved.cost = Solve(network.net).final_cost;
-      network.Relinearise();
+      network.Repreintegrate();
     }
     solved.boresight = network.net.Value(network.boresight);
     solved.covariance = Marginals(network.net).Covariance(network.boresight);
@@ -392,7 +392,7 @@ TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
   for (int k = 0; k < 2; ++k) {
     EXPECT_TRUE(Solve(network.net).converged);
     const auto before = network.net.factor(network.pair_edges[0].id).factor;
-    network.Relinearise();
+    network.Repreintegrate();
     const auto after = network.net.factor(network.pair_edges[0].id).factor;
     EXPECT_NE(before, after);
     EXPECT_NE(dynamic_cast<const ShiftedPair*>(after.get()), nullptr);
@@ -421,8 +421,8 @@ TEST(FlightNetwork, OwnFactorsOfPairsNeedNotSayWhatEffectsDo) {
   J[7] = J_lever_arm.data();
   J[8] = J_delay.data();
   ASSERT_TRUE(network.net.EvaluateStored(id, x.data(), r.data(), J.data()));
-  const PointSensitivity i = network.SensitivityOfEnd({7, PointPairFactor::End::kI});
-  const PointSensitivity j = network.SensitivityOfEnd({7, PointPairFactor::End::kJ});
+  const PointSensitivity i = network.EndSensitivity({7, PointPairFactor::End::kI});
+  const PointSensitivity j = network.EndSensitivity({7, PointPairFactor::End::kJ});
   EXPECT_LT((i.lever_arm + j.lever_arm - J_lever_arm).norm(), 1e-9 * i.lever_arm.norm());
   EXPECT_LT((i.delay + j.delay - J_delay).norm(), 1e-9 * i.delay.norm());
 }
@@ -457,7 +457,7 @@ TEST(FlightNetwork, AReplacedFactorStays) {
       dynamic_cast<const PreintegratedInertial&>(*network.net.factor(replaced).factor));
   network.net.ReplaceFactor(replaced, own);
   const auto other = network.net.factor(network.inertial_edges[4].id).factor;
-  network.Relinearise();
+  network.Repreintegrate();
   EXPECT_EQ(network.net.factor(replaced).factor, own);
   EXPECT_NE(network.net.factor(network.inertial_edges[4].id).factor, other);
 }
@@ -520,7 +520,7 @@ TEST(FlightNetwork, DerivativesFromMeansKeepTheIncrementsInUse) {
   with_scale.Insert({"gyro_scale_factor",
                      FindEstimable("gyro_scale_factor")->make({network.flight(), {}}),
                      Eigen::Vector3d::Zero()});
-  const ImuData means = MeansOver(*network.flight().imu, 0.02);
+  const ImuData means = AverageSamples(*network.flight().imu, 0.02);
   ASSERT_LE(means.samples.size(), network.flight().imu->samples.size() / 2);
   for (const FlightNetwork::InertialEdge& edge : network.inertial_edges) {
     const Preintegrated whole = network.InertialFactor(edge, with_scale)->increments();
@@ -553,7 +553,7 @@ TEST(FlightNetwork, RepreintegratingAConvergedNetworkChangesNothing) {
   FlightNetwork& network = *calibration.adjustment.network;
   const double cost = EvaluateCost(network.net).cost;
   const Eigen::Quaterniond before = network.net.Value(network.boresight);
-  network.Relinearise();
+  network.Repreintegrate();
   EXPECT_EQ(network.BiasChange(), 0.0) << "no bias has moved in between";
   EXPECT_NEAR(EvaluateCost(network.net).cost, cost, 1e-6 * cost);
   const SolveReport report = Solve(network.net);

@@ -9,7 +9,7 @@ namespace dn::process_chain_test {
 using Type = BiasProcess::Type;
 
 ProcessChain AddTo(Network* net, const BiasProcess& process,
-                   const std::vector<HeldInterval>& intervals) {
+                   const std::vector<ConstantInterval>& intervals) {
   const FactorGroup group{"steps", {}, {}, FactorGroup::Kind::kProcess};
   const FactorGroup prior{"prior", {}, {}, FactorGroup::Kind::kPrior};
   return AddProcessChain(process, intervals, {"c", "error", {}, "m", 1.0, group, prior},
@@ -20,14 +20,14 @@ ProcessChain AddTo(Network* net, const BiasProcess& process,
 // length is shorter than an epoch, each epoch has its own interval.
 TEST(ProcessChain, IntervalsHoldEpochs) {
   const std::vector<double> t_s{0.0, 1.0, 2.0, 3.0, 4.0, 60.0, 61.0, 62.0, 63.0};
-  const std::vector<HeldInterval> three = HoldOverEpochs(t_s, 3.0);
+  const std::vector<ConstantInterval> three = IntervalsOverEpochs(t_s, 3.0);
   ASSERT_EQ(three.size(), 4U);
   const std::vector<double> begin{0.0, 3.0, 60.0, 63.0}, middle{1.0, 3.5, 61.0, 63.0};
   for (std::size_t k = 0; k < three.size(); ++k) {
     EXPECT_EQ(three[k].t_begin_s, begin[k]);
     EXPECT_EQ(three[k].t_mid_s, middle[k]);
   }
-  const std::vector<HeldInterval> each = HoldOverEpochs(t_s, 0.01);
+  const std::vector<ConstantInterval> each = IntervalsOverEpochs(t_s, 0.01);
   ASSERT_EQ(each.size(), t_s.size());
   for (std::size_t k = 0; k < each.size(); ++k) EXPECT_EQ(each[k].t_mid_s, t_s[k]);
 }
@@ -37,8 +37,9 @@ TEST(ProcessChain, IntervalsHoldEpochs) {
 TEST(ProcessChain, HasTheCovarianceOfItsProcess) {
   constexpr double kSigma = 0.02, kTauS = 40.0;
   Network net;
-  const ProcessChain chain = AddTo(&net, {Type::kGaussMarkov, kSigma, kTauS},
-                                   HoldOverEpochs({0.0, 1.0, 2.0, 3.0, 60.0, 61.0, 100.0}, 2.0));
+  const ProcessChain chain =
+      AddTo(&net, {Type::kGaussMarkov, kSigma, kTauS},
+            IntervalsOverEpochs({0.0, 1.0, 2.0, 3.0, 60.0, 61.0, 100.0}, 2.0));
   const Marginals marginals(net);
   for (std::size_t i = 0; i < chain.blocks.size(); ++i) {
     for (std::size_t k = 0; k < chain.blocks.size(); ++k) {
@@ -53,7 +54,7 @@ TEST(ProcessChain, HasTheCovarianceOfItsProcess) {
 TEST(ProcessChain, FindsTheBlockOfAnEpoch) {
   Network net;
   const ProcessChain chain =
-      AddTo(&net, {Type::kRandomWalk, 1.0, 0.0}, HoldOverNodes({0.0, 2.0, 4.0, 6.0}, 2.0));
+      AddTo(&net, {Type::kRandomWalk, 1.0, 0.0}, IntervalsOverNodes({0.0, 2.0, 4.0, 6.0}, 2.0));
   ASSERT_EQ(chain.blocks.size(), 3U);
   EXPECT_EQ(chain.At(1.999).id, chain.blocks[0].id);
   EXPECT_EQ(chain.At(2.0).id, chain.blocks[1].id);

@@ -51,7 +51,7 @@ TEST(YamlValue, AbsentValuesHaveTheLocationOfTheirParent) {
   EXPECT_TRUE(root["z"]["y"]["x"].absent());
   EXPECT_EQ(root["z"]["y"].NumberOr(7.0), 7.0);
   EXPECT_EQ(root["z"].Vector3Or({1, 2, 3}), Eigen::Vector3d(1, 2, 3));
-  root["z"].ExpectMapOrNothing({"y"});
+  root["z"].ExpectMapOrAbsent({"y"});
   EXPECT_EQ(Fault([&] { root["b"]["e"].Number(); }), "2:4 b.e: expected a number, found nothing");
   EXPECT_EQ(Fault([&] { root["b"]["e"]["f"].Text(); }),
             "2:4 b.e.f: expected a word, found nothing");
@@ -67,7 +67,7 @@ TEST(YamlValue, ErrorsNameKeyPathLineAndColumn) {
               root["b"].ExpectMap({"c", "dd"});
             }),
             "2:19 b: unknown key 'd'; did you mean 'c'?");
-  EXPECT_EQ(Fault([&] { root["a"].ExpectMapOrNothing({"c"}); }),
+  EXPECT_EQ(Fault([&] { root["a"].ExpectMapOrAbsent({"c"}); }),
             "1:4 a: expected a map of keys, found '1.5'");
   EXPECT_EQ(Fault([&] { root["b"]["c"].Numbers(2); }),
             "2:8 b.c: expected a list of 2 numbers, found a list of 3");

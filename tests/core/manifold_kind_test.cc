@@ -43,7 +43,7 @@ struct Positive {
 
 template <class Kind>
 void ExpectManifold(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
-  const BlockKind kind = KindOf<Kind>();
+  const BlockKind kind = MakeBlockKind<Kind>();
   ASSERT_EQ(x.size(), kind.stored_size);
   Eigen::VectorXd y(x.size()), back(d.size());
   Plus(kind, x.data(), d.data(), y.data());

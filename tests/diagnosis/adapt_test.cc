@@ -1,6 +1,6 @@
+#include <dn/diagnosis/adapt.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/diagnosis/adapt.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -138,20 +138,20 @@ TEST(Adapted, CoversVibrationAndNoiseThatGrowsWithRange) {
 }
 
 TEST(Adapted, SaysWhatCannotBe) {
-  using testing::PlaceOfInvalid;
-  PlaceOfInvalid([] { Adapted(PlainDrone(), {Cause("gnss_noise_scale", {std::nan("")})}); },
-                 "gnss_noise_scale");
-  PlaceOfInvalid(
+  using testing::InvalidInputLocation;
+  InvalidInputLocation([] { Adapted(PlainDrone(), {Cause("gnss_noise_scale", {std::nan("")})}); },
+                       "gnss_noise_scale");
+  InvalidInputLocation(
       [] {
         Adapted(PlainDrone(), {Cause("gnss_noise_scale", {1.0, 2.0})});
       },
       "takes 1 number");
   Flight without = PlainDrone();
   without.config.lidar.reset();
-  PlaceOfInvalid([&] { Adapted(without, {Cause("p2p_noise_scale", {2.0})}); }, "'lidar'");
+  InvalidInputLocation([&] { Adapted(without, {Cause("p2p_noise_scale", {2.0})}); }, "'lidar'");
   GapCause unknown;
   unknown.effect = "moonlight";
-  PlaceOfInvalid([&] { Adapted(PlainDrone(), {unknown}); }, "'moonlight'");
+  InvalidInputLocation([&] { Adapted(PlainDrone(), {unknown}); }, "'moonlight'");
 }
 
 TEST(Adapted, AProcessOfNoSizeIsNone) {
@@ -169,7 +169,7 @@ TEST(Adapted, TakesTheCausesOfTheVerdictInItsOrder) {
   diagnosis.causes = {Cause("lidar_time_offset", {1}), Cause("gnss_lever_arm", {1, 2, 3}),
                       Cause("gyro_noise_scale", {2})};
   diagnosis.verdict.effects = {"gyro_noise_scale", "lidar_time_offset"};
-  const std::vector<GapCause> named = CausesOfVerdict(diagnosis);
+  const std::vector<GapCause> named = VerdictCauses(diagnosis);
   ASSERT_EQ(named.size(), 2u);
   EXPECT_EQ(named[0].effect, "gyro_noise_scale");
   EXPECT_EQ(named[1].effect, "lidar_time_offset");

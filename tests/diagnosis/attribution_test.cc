@@ -23,26 +23,26 @@ using ::testing::UnorderedElementsAre;
 
 constexpr double kThresholdNats = 6.0;
 
-Attribution Attributed(const Flight& flight, bool detected = true) {
+SelectedModel Attributed(const Flight& flight, bool detected = true) {
   const GapOptions options;
-  const Explainer explainer(flight, options);
-  return Attribute(explainer, std::make_unique<ExplainedFlight>(explainer.Explain({})), detected,
-                   kThresholdNats);
+  const ExtendedModelFitter model_fitter(flight, options);
+  return SelectEffects(model_fitter, std::make_unique<ExtendedFit>(model_fitter.Explain({})),
+                       detected, kThresholdNats);
 }
 
-std::vector<std::string> Names(const Attribution& attribution) {
+std::vector<std::string> Names(const SelectedModel& attribution) {
   std::vector<std::string> names;
   for (const GapCause& cause : attribution.causes) names.push_back(cause.effect);
   return names;
 }
 
-TEST(Attribute, FindsBothOfTwoEffects) {
+TEST(SelectEffects, FindsBothOfTwoEffects) {
   const Flight flight =
       Simulate(AircraftScenario("effects: [{effect: lidar_range_offset, value: 0.15}, "
                                 "{effect: gnss_lever_arm, value: [0.15, 0.1, 0]}]"),
                {})
           .flight;
-  const Attribution attribution = Attributed(flight);
+  const SelectedModel attribution = Attributed(flight);
   EXPECT_THAT(Names(attribution), UnorderedElementsAre("lidar_range_offset", "gnss_lever_arm"));
   ASSERT_NE(attribution.final, nullptr);
   EXPECT_EQ(attribution.slots.size(), 2u);
@@ -55,13 +55,13 @@ TEST(Attribute, FindsBothOfTwoEffects) {
 
 // Both effects enlarge the misclosures of the pairs. Once the scale is known, the noise (of either
 // kind, as they look alike) takes its true size. No third effect has to compensate for it.
-TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
+TEST(SelectEffects, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
   const Flight flight =
       Simulate(AircraftScenario("effects: [{effect: p2p_noise_scale, value: 1.6}, "
                                 "{effect: lidar_angle_scale, value: 800}]"),
                {})
           .flight;
-  const Attribution attribution = Attributed(flight);
+  const SelectedModel attribution = Attributed(flight);
   EXPECT_THAT(Names(attribution), UnorderedElementsAre(AnyOf("p2p_noise_scale", "p2p_range_noise"),
                                                        "lidar_angle_scale"));
   ASSERT_NE(attribution.final, nullptr);
@@ -69,8 +69,8 @@ TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
 }
 
 /// Returns the results for flights with the same effect and different seeds.
-std::vector<Attribution> SelectForSeeds(const std::string& effect) {
-  std::vector<Attribution> all;
+std::vector<SelectedModel> SelectForSeeds(const std::string& effect) {
+  std::vector<SelectedModel> all;
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulateOptions options;
     options.seed = seed;
@@ -82,10 +82,10 @@ std::vector<Attribution> SelectForSeeds(const std::string& effect) {
 
 // Outliers that are too short to be rejected, or that follow each other, do not count as scaled
 // noise.
-TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
+TEST(SelectEffects, GrossErrorsAreNotALargerNoiseAsWell) {
   for (const char* effect : {"{effect: gnss_outliers, value: [0.08, 0.2]}",
                              "{effect: p2p_outliers, value: [0.08, 1.0]}"}) {
-    for (const Attribution& attribution : SelectForSeeds(effect)) {
+    for (const SelectedModel& attribution : SelectForSeeds(effect)) {
       ASSERT_EQ(attribution.causes.size(), 1u) << effect;
       const GapCause& cause = attribution.causes[0];
       EXPECT_THAT(effect, HasSubstr(cause.effect));
@@ -95,16 +95,17 @@ TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
 }
 
 // The error of the trajectory has several explanations, but the raw data show the noise itself.
-TEST(Attribute, RawNoiseIsNoProcess) {
-  for (const Attribution& attribution : SelectForSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
+TEST(SelectEffects, RawNoiseIsNoProcess) {
+  for (const SelectedModel& attribution :
+       SelectForSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gyro_noise_scale"));
   }
 }
 
 /// Returns the strongest oscillation of the GNSS positions that remains with the causes in the
 /// model.
-const ScreenedEffect& OscillationLeft(const Attribution& attribution) {
-  const ExplainedFlight& last = attribution.final ? *attribution.final : *attribution.base;
+const ScreenedEffect& OscillationLeft(const SelectedModel& attribution) {
+  const ExtendedFit& last = attribution.final ? *attribution.final : *attribution.base;
   const auto found =
       std::find_if(last.effects.begin(), last.effects.end(),
                    [](const ScreenedEffect& effect) { return effect.name == "GNSS oscillation"; });
@@ -112,7 +113,7 @@ const ScreenedEffect& OscillationLeft(const Attribution& attribution) {
 }
 
 // Correlated noise absorbs oscillations in size and time, but not the concentration of their power.
-TEST(Attribute, WavesAreNotAllOfACorrelatedNoise) {
+TEST(SelectEffects, WavesAreNotAllOfACorrelatedNoise) {
   constexpr double kPeriodS = 40.0;
   SimulateOptions options;
   options.own.antenna_enu_m = [](double t_s) {
@@ -126,8 +127,8 @@ TEST(Attribute, WavesAreNotAllOfACorrelatedNoise) {
   EXPECT_NEAR(*left.period_s, kPeriodS, 0.15 * kPeriodS);
 }
 
-TEST(Attribute, ACorrelatedNoiseLeavesNoOscillation) {
-  for (const Attribution& attribution :
+TEST(SelectEffects, ACorrelatedNoiseLeavesNoOscillation) {
+  for (const SelectedModel& attribution :
        SelectForSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gnss_correlated_noise"));
     EXPECT_LT(OscillationLeft(attribution).log_evidence, kThresholdNats);
@@ -151,22 +152,22 @@ std::vector<ScreenedEffect> Moving(const std::function<Eigen::Vector3d(const Map
   options.own.boresight_rad = move;
   const Flight flight = Simulate(FourStrips(), options).flight;
   const GapOptions gap;
-  return Explainer(flight, gap).Explain({}).effects;
+  return ExtendedModelFitter(flight, gap).Explain({}).effects;
 }
 
 const Eigen::Vector3d kMove_rad(6e-4, -5e-4, 6e-4);
 
-TEST(Explainer, ABoresightThatSettlesIsNoStepAndNoDrift) {
+TEST(ExtendedModelFitter, ABoresightThatSettlesIsNoStepAndNoDrift) {
   constexpr double kTauS = 25.0;
   std::optional<double> first_s;
   const auto effects = Moving([&](const MapPose& pose) {
     if (!first_s) first_s = pose.t_s;
     return Eigen::Vector3d(std::exp(-(pose.t_s - *first_s) / kTauS) * kMove_rad);
   });
-  const double settling = EvidenceOf(effects, "boresight that settles");
+  const double settling = FindEvidence(effects, "boresight that settles");
   EXPECT_GT(settling, kThresholdNats);
-  EXPECT_GT(settling, EvidenceOf(effects, "boresight_step") + 3.0);
-  EXPECT_GT(settling, EvidenceOf(effects, "boresight_drift") + 3.0);
+  EXPECT_GT(settling, FindEvidence(effects, "boresight_step") + 3.0);
+  EXPECT_GT(settling, FindEvidence(effects, "boresight_drift") + 3.0);
   const auto found = std::find_if(effects.begin(), effects.end(), [](const ScreenedEffect& effect) {
     return effect.name == "boresight that settles";
   });
@@ -175,44 +176,44 @@ TEST(Explainer, ABoresightThatSettlesIsNoStepAndNoDrift) {
   EXPECT_LT(*found->decay_s, 2.0 * kTauS);
 }
 
-TEST(Explainer, ABoresightThatFollowsTheHeadingIsNoStep) {
+TEST(ExtendedModelFitter, ABoresightThatFollowsTheHeadingIsNoStep) {
   const auto effects = Moving([](const MapPose& pose) {
     return Eigen::Vector3d((pose.q_mb * Eigen::Vector3d::UnitX()).x() * kMove_rad);
   });
-  const double heading = EvidenceOf(effects, "boresight by heading");
+  const double heading = FindEvidence(effects, "boresight by heading");
   EXPECT_GT(heading, kThresholdNats);
-  EXPECT_GT(heading, EvidenceOf(effects, "boresight_step") + 3.0);
-  EXPECT_GT(heading, EvidenceOf(effects, "boresight_drift") + 3.0);
+  EXPECT_GT(heading, FindEvidence(effects, "boresight_step") + 3.0);
+  EXPECT_GT(heading, FindEvidence(effects, "boresight_drift") + 3.0);
 }
 
 // Discrepancies that partly resemble a step or a drift must not replace its name.
-TEST(Explainer, StepsAndDriftsKeepTheirNames) {
+TEST(ExtendedModelFitter, StepsAndDriftsKeepTheirNames) {
   for (const char* effect : {"{effect: boresight_step, value: [0.02, -0.02, 0.03], t0_s: 381190}",
                              "{effect: boresight_drift, value: [0.15, -0.12, 0.15]}"}) {
     const Flight flight = Simulate(FourStrips("effects: [" + std::string(effect) + "]"), {}).flight;
     const GapOptions gap;
-    const auto effects = Explainer(flight, gap).Explain({}).effects;
+    const auto effects = ExtendedModelFitter(flight, gap).Explain({}).effects;
     const ScreenedEffect* best = BestPhysical(effects);
     ASSERT_NE(best, nullptr);
     EXPECT_THAT(effect, HasSubstr(best->name));
-    EXPECT_GT(best->log_evidence, EvidenceOf(effects, "boresight that settles")) << effect;
-    EXPECT_GT(best->log_evidence, EvidenceOf(effects, "boresight by heading")) << effect;
+    EXPECT_GT(best->log_evidence, FindEvidence(effects, "boresight that settles")) << effect;
+    EXPECT_GT(best->log_evidence, FindEvidence(effects, "boresight by heading")) << effect;
   }
 }
 
-TEST(Attribute, FindsNothingInNoise) {
+TEST(SelectEffects, FindsNothingInNoise) {
   const Flight flight = Simulate(AircraftScenario(), {}).flight;
-  const Attribution attribution = Attributed(flight);
+  const SelectedModel attribution = Attributed(flight);
   EXPECT_TRUE(attribution.causes.empty());
   EXPECT_EQ(attribution.final, nullptr);
   ASSERT_EQ(attribution.slots.size(), 1u);
   EXPECT_EQ(attribution.slots[0].effect, "");
 }
 
-TEST(Attribute, TakesNothingWhereNoGapWasDetected) {
+TEST(SelectEffects, TakesNothingWhereNoGapWasDetected) {
   const Flight flight =
       Simulate(AircraftScenario("effects: [{effect: lidar_range_offset, value: 0.15}]"), {}).flight;
-  const Attribution attribution = Attributed(flight, false);
+  const SelectedModel attribution = Attributed(flight, false);
   EXPECT_TRUE(attribution.causes.empty());
   ASSERT_EQ(attribution.slots.size(), 1u);
   EXPECT_EQ(attribution.slots[0].effect, "");

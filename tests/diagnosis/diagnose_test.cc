@@ -1,6 +1,6 @@
-#include <dn/error.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/error.h>
 #include <dn/interrupted.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST(Diagnose, DoubtsASizeThatIsFarFromTheUsualOne) {
   ASSERT_THAT(verdict.effects, ElementsAre("lidar_range_offset"));
   ASSERT_TRUE(verdict.implausible.has_value());
   EXPECT_EQ(verdict.implausible->effect, "lidar_range_offset");
-  EXPECT_NEAR(verdict.implausible->usual_sizes, 50.0, 3.0);  // 0.02 m is typical
+  EXPECT_NEAR(verdict.implausible->typical_sizes, 50.0, 3.0);  // 0.02 m is typical
   EXPECT_EQ(verdict.implausible->discrepancy, "laser vectors by scan angle");
 }
 

@@ -25,34 +25,35 @@ GapCause RangeOffset(double offset_m) {
 
 /// A flight with wrong ranges, its linear replicates, and replicates simulated without and with
 /// this effect.
-class FullTwins : public ::testing::Test {
+class SimulatedReplicates : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     flight_ = new Flight(
         Simulate(DroneScenario("effects: [{effect: lidar_range_offset, value: 0.15}]"), {}).flight);
     const GapOptions options;
-    const Explainer explainer(*flight_, options);
-    const ExplainedFlight explained = explainer.Explain({});
-    Appearance appearance;
-    Twins twins;
+    const ExtendedModelFitter model_fitter(*flight_, options);
+    const ExtendedFit explained = model_fitter.Explain({});
+    ResidualSummary appearance;
+    ReplicateSet twins;
     std::vector<LocationStatistic> statistics;
-    const TwinTest test = explainer.Test(explained, kLinearTwins, &appearance, &twins, &statistics);
-    linear_ = new LinearTwins(NamedLinearTwins(statistics, twins, test));
+    const ReplicateTest test =
+        model_fitter.Test(explained, kLinearTwins, &appearance, &twins, &statistics);
+    linear_ = new LinearReplicates(NameLinearReplicates(statistics, twins, test));
     shown_ = new NamedStatistics(Comparable(statistics, appearance.locations));
     without_ = new std::vector<NamedStatistics>(Fly(explained, {}));
     with_ = new std::vector<NamedStatistics>(Fly(explained, {RangeOffset(0.15)}));
   }
 
-  static std::vector<NamedStatistics> Fly(const ExplainedFlight& explained,
+  static std::vector<NamedStatistics> Fly(const ExtendedFit& explained,
                                           const std::vector<GapCause>& causes) {
     const Trajectory trajectory(DenseTrajectory(explained.solution->network(), 0.01));
-    FullTwinOptions options;
+    SimulatedReplicateOptions options;
     options.count = kTwins;
     options.threads = 2;
-    return FlyTwins(
-        *flight_,
-        TwinScenario(*flight_, trajectory, causes, explained.solution->Boresight().angles_rad),
-        trajectory, options);
+    return SimulateReplicates(*flight_,
+                              MakeReplicateScenario(*flight_, trajectory, causes,
+                                                    explained.solution->Boresight().angles_rad),
+                              trajectory, options);
   }
 
   static void TearDownTestSuite() {
@@ -64,18 +65,18 @@ class FullTwins : public ::testing::Test {
   }
 
   static Flight* flight_;
-  static LinearTwins* linear_;
+  static LinearReplicates* linear_;
   static NamedStatistics* shown_;
   static std::vector<NamedStatistics>*without_, *with_;
 };
 
-Flight* FullTwins::flight_ = nullptr;
-LinearTwins* FullTwins::linear_ = nullptr;
-NamedStatistics* FullTwins::shown_ = nullptr;
-std::vector<NamedStatistics>* FullTwins::without_ = nullptr;
-std::vector<NamedStatistics>* FullTwins::with_ = nullptr;
+Flight* SimulatedReplicates::flight_ = nullptr;
+LinearReplicates* SimulatedReplicates::linear_ = nullptr;
+NamedStatistics* SimulatedReplicates::shown_ = nullptr;
+std::vector<NamedStatistics>* SimulatedReplicates::without_ = nullptr;
+std::vector<NamedStatistics>* SimulatedReplicates::with_ = nullptr;
 
-TEST_F(FullTwins, HaveTheStatisticsOfTheFlight) {
+TEST_F(SimulatedReplicates, HaveTheStatisticsOfTheFlight) {
   ASSERT_EQ(without_->size(), static_cast<std::size_t>(kTwins));
   for (const char* name : {"gnss position east, mean square", "lidar p2p up, mean, strips 1-2",
                            "gyro inertial gyro x, mean square"}) {
@@ -84,30 +85,30 @@ TEST_F(FullTwins, HaveTheStatisticsOfTheFlight) {
   }
 }
 
-TEST_F(FullTwins, WithoutEffectsAreThoseOfTheLinearModel) {
-  const auto p = FullAgainstLinear(*without_, *linear_, 1);
+TEST_F(SimulatedReplicates, WithoutEffectsAreThoseOfTheLinearModel) {
+  const auto p = TestSimulatedAgainstLinear(*without_, *linear_, 1);
   ASSERT_TRUE(p.has_value());
   EXPECT_GT(*p, 0.005);
 }
 
-TEST_F(FullTwins, WithAnEffectAreOthers) {
-  const auto p = FullAgainstLinear(*with_, *linear_, 1);
+TEST_F(SimulatedReplicates, WithAnEffectAreOthers) {
+  const auto p = TestSimulatedAgainstLinear(*with_, *linear_, 1);
   ASSERT_TRUE(p.has_value());
   EXPECT_LT(*p, 0.005);
 }
 
-TEST_F(FullTwins, WithItsEffectLookLikeTheFlight) {
-  const auto right = LikeTwins(*shown_, *with_, *linear_, 1);
-  const auto wrong = LikeTwins(*shown_, *without_, *linear_, 1);
+TEST_F(SimulatedReplicates, WithItsEffectLookLikeTheFlight) {
+  const auto right = TestAmongReplicates(*shown_, *with_, *linear_, 1);
+  const auto wrong = TestAmongReplicates(*shown_, *without_, *linear_, 1);
   ASSERT_TRUE(right && wrong);
   EXPECT_GT(*right, 0.01);
   EXPECT_LT(*wrong, 0.01);
 }
 
-TEST_F(FullTwins, OfFewThereIsNoTest) {
+TEST_F(SimulatedReplicates, OfFewThereIsNoTest) {
   const std::vector<NamedStatistics> two(with_->begin(), with_->begin() + 2);
-  EXPECT_FALSE(FullAgainstLinear(two, *linear_, 1).has_value());
-  EXPECT_FALSE(LikeTwins(*shown_, two, *linear_, 1).has_value());
+  EXPECT_FALSE(TestSimulatedAgainstLinear(two, *linear_, 1).has_value());
+  EXPECT_FALSE(TestAmongReplicates(*shown_, two, *linear_, 1).has_value());
 }
 
 /// Returns statistics of noise alone.
@@ -118,12 +119,12 @@ NamedStatistics Noise(int count, Random* random) {
 }
 
 // The statistics are those in which the flight stands out, which it does by chance without a gap.
-TEST(LikeTwins, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
+TEST(TestAmongReplicates, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
   constexpr int kFlights = 60, kStatistics = 120;
   int below = 0;
   for (int flight = 0; flight < kFlights; ++flight) {
     Random random(static_cast<std::uint64_t>(flight), "flights like their twins");
-    LinearTwins linear;
+    LinearReplicates linear;
     for (int k = 0; k < 2 * kLinearTwins; ++k) linear.all.push_back(Noise(kStatistics, &random));
     for (const auto& [name, value] : linear.all.front()) {
       linear.mean[name] = 0.0;
@@ -131,19 +132,19 @@ TEST(LikeTwins, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
     }
     std::vector<NamedStatistics> twins;
     for (int k = 0; k < 8; ++k) twins.push_back(Noise(kStatistics, &random));
-    const auto p = LikeTwins(Noise(kStatistics, &random), twins, linear, 1);
+    const auto p = TestAmongReplicates(Noise(kStatistics, &random), twins, linear, 1);
     ASSERT_TRUE(p.has_value());
     below += *p < 0.1 ? 1 : 0;
   }
   EXPECT_LE(below, 13);  // 6 +- 2.3 are expected
 }
 
-TEST(MeanOver, IsThatOfTheTwinsThatHaveIt) {
+TEST(ReplicateMeanAndSigma, IsThatOfTheTwinsThatHaveIt) {
   const std::vector<NamedStatistics> twins{{{"a", 1.0}}, {{"a", 3.0}, {"b", 5.0}}};
-  ASSERT_TRUE(MeanOver(twins, "a").has_value());
-  EXPECT_DOUBLE_EQ(MeanOver(twins, "a")->mean, 2.0);
-  EXPECT_DOUBLE_EQ(MeanOver(twins, "a")->sigma, std::sqrt(2.0));
-  EXPECT_FALSE(MeanOver(twins, "b").has_value());
+  ASSERT_TRUE(ReplicateMeanAndSigma(twins, "a").has_value());
+  EXPECT_DOUBLE_EQ(ReplicateMeanAndSigma(twins, "a")->mean, 2.0);
+  EXPECT_DOUBLE_EQ(ReplicateMeanAndSigma(twins, "a")->sigma, std::sqrt(2.0));
+  EXPECT_FALSE(ReplicateMeanAndSigma(twins, "b").has_value());
 }
 
 }  // namespace dn::internal::full_twins_test

@@ -37,8 +37,8 @@ GapDiagnosis Quick(const Flight& flight) {
   return Diagnose(flight, options).diagnosis;
 }
 
-const HiddenEffect* Hidden(const GapDiagnosis& diagnosis, const std::string& name) {
-  for (const HiddenEffect& effect : diagnosis.could_still_hide) {
+const DetectionLimit* Hidden(const GapDiagnosis& diagnosis, const std::string& name) {
+  for (const DetectionLimit& effect : diagnosis.could_still_hide) {
     if (effect.effect == name) return &effect;
   }
   return nullptr;
@@ -54,11 +54,11 @@ TEST(GivenTrajectory, ShowsNoGapWhereThereIsNone) {
 TEST(GivenTrajectory, HidesTheEffectsOfItsSensorsAndItsAttitudeOffset) {
   const GapDiagnosis diagnosis = Quick(PairsOnTruth(1));
   for (const char* name : {"gnss_lever_arm", "gyro_misalignment", "trajectory_attitude_offset"}) {
-    const HiddenEffect* hidden = Hidden(diagnosis, name);
+    const DetectionLimit* hidden = Hidden(diagnosis, name);
     ASSERT_NE(hidden, nullptr) << name;
     EXPECT_TRUE(std::isinf(hidden->minimal_detectable)) << name;
   }
-  const HiddenEffect* range = Hidden(diagnosis, "lidar_range_offset");
+  const DetectionLimit* range = Hidden(diagnosis, "lidar_range_offset");
   ASSERT_NE(range, nullptr);
   EXPECT_TRUE(std::isfinite(range->minimal_detectable));
 }
@@ -72,7 +72,7 @@ TEST(GivenTrajectory, NamesRangesThatAreTooLong) {
   const GapDiagnosis diagnosis = Quick(flight);
   EXPECT_TRUE(diagnosis.detected);
   ASSERT_THAT(diagnosis.verdict.effects, Contains("lidar_range_offset")) << diagnosis.verdict.text;
-  const GapCause cause = CausesOfVerdict(diagnosis).front();
+  const GapCause cause = VerdictCauses(diagnosis).front();
   EXPECT_NEAR(cause.estimate[0], kLonger_m, kFewSigmas * cause.sigma[0]);
   EXPECT_LT(cause.sigma[0], 0.5 * kLonger_m);
 }
@@ -109,7 +109,7 @@ TEST(Limits, NeedNoMeasuredValues) {
   EXPECT_THAT(diagnosis.verdict.text, HasSubstr("no measured value"));
   EXPECT_THAT(diagnosis.causes, IsEmpty());
   for (const char* name : {"gnss_lever_arm", "lidar_range_offset"}) {
-    const HiddenEffect* hidden = Hidden(diagnosis, name);
+    const DetectionLimit* hidden = Hidden(diagnosis, name);
     ASSERT_NE(hidden, nullptr) << name;
     EXPECT_GT(hidden->minimal_detectable, 0.0) << name;
     EXPECT_TRUE(std::isfinite(hidden->minimal_detectable)) << name;

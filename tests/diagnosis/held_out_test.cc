@@ -29,15 +29,15 @@ GapCause RangeOffset() {
 
 /// A flight adjusted without and with one effect in the estimator.
 struct BothSides {
-  explicit BothSides(Flight of) : flight(std::move(of)), explainer(flight, options) {
-    without = explainer.Explain({});
-    with = explainer.Explain({RangeOffset()});
+  explicit BothSides(Flight of) : flight(std::move(of)), model_fitter(flight, options) {
+    without = model_fitter.Explain({});
+    with = model_fitter.Explain({RangeOffset()});
   }
 
   Flight flight;
   GapOptions options;
-  Explainer explainer;
-  ExplainedFlight without, with;
+  ExtendedModelFitter model_fitter;
+  ExtendedFit without, with;
 };
 
 TEST(Folds, EveryPairLiesInOneTile) {
@@ -112,8 +112,8 @@ TEST(HeldOut, AnEffectThatIsThereGainsWhatItsEvidenceSays) {
   // open.
   EXPECT_GT(gains.gain_nats, 0.6 * evidence);
   EXPECT_LT(gains.gain_nats, 1.6 * evidence);
-  ASSERT_TRUE(gains.of_causes[0].has_value());
-  EXPECT_EQ(*gains.of_causes[0], gains.gain_nats);
+  ASSERT_TRUE(gains.cause_gains[0].has_value());
+  EXPECT_EQ(*gains.cause_gains[0], gains.gain_nats);
   // The remaining gain is that of the best of many effects in noise.
   EXPECT_LT(gains.further_nats, 8.0);
 }
@@ -121,8 +121,8 @@ TEST(HeldOut, AnEffectThatIsThereGainsWhatItsEvidenceSays) {
 TEST(HeldOut, WhatIsMissingCouldBeReached) {
   const Flight flight = Drone("effects: [{effect: lidar_range_offset, value: 0.1}]");
   const GapOptions options;
-  const Explainer explainer(flight, options);
-  const ExplainedFlight without = explainer.Explain({});
+  const ExtendedModelFitter model_fitter(flight, options);
+  const ExtendedFit without = model_fitter.Explain({});
   const HeldOutGains gains = MeasureHeldOut(without, without, {});
   EXPECT_EQ(gains.gain_nats, 0.0);
   const BothSides both(flight);
@@ -143,33 +143,33 @@ TEST(HeldOut, EachOfTwoCausesIsHeldAgainstTheOther) {
       "effects: [{effect: lidar_range_offset, value: 0.1}, "
       "{effect: gnss_lever_arm, value: [0.3, 0, 0]}]");
   const GapOptions options;
-  const Explainer explainer(flight, options);
+  const ExtendedModelFitter model_fitter(flight, options);
   GapCause arm;
   arm.effect = "gnss_lever_arm";
   arm.unit = "m";
   arm.estimate = Eigen::Vector3d(0.3, 0, 0);
-  const ExplainedFlight without = explainer.Explain({});
-  const ExplainedFlight with = explainer.Explain({RangeOffset(), arm});
+  const ExtendedFit without = model_fitter.Explain({});
+  const ExtendedFit with = model_fitter.Explain({RangeOffset(), arm});
   const HeldOutGains gains = MeasureHeldOut(without, with, {});
-  ASSERT_TRUE(gains.of_causes[0] && gains.of_causes[1]);
-  const ExplainedFlight only_arm = explainer.Explain({arm});
+  ASSERT_TRUE(gains.cause_gains[0] && gains.cause_gains[1]);
+  const ExtendedFit only_arm = model_fitter.Explain({arm});
   const double beside_the_arm = MeasureHeldOut(only_arm, with, {}).gain_nats;
   constexpr double kRelative = 0.05;  // one linear step against an adjustment
-  EXPECT_NEAR(*gains.of_causes[0], beside_the_arm, kRelative * beside_the_arm);
-  EXPECT_GT(*gains.of_causes[1], 5.0);
+  EXPECT_NEAR(*gains.cause_gains[0], beside_the_arm, kRelative * beside_the_arm);
+  EXPECT_GT(*gains.cause_gains[1], 5.0);
 }
 
 TEST(HeldOut, NoiseOfAnotherSizeCountsByItsDensity) {
   const Flight flight = Drone("effects: [{effect: gnss_noise_scale, value: 2}]");
   const GapOptions options;
-  const Explainer explainer(flight, options);
+  const ExtendedModelFitter model_fitter(flight, options);
   GapCause scale;
   scale.effect = "gnss_noise_scale";
   scale.unit = "1";
   scale.estimate = Eigen::VectorXd::Constant(1, 2.0);
-  const ExplainedFlight without = explainer.Explain({}), right = explainer.Explain({scale});
+  const ExtendedFit without = model_fitter.Explain({}), right = model_fitter.Explain({scale});
   scale.estimate[0] = 8.0;
-  const ExplainedFlight too_large = explainer.Explain({scale});
+  const ExtendedFit too_large = model_fitter.Explain({scale});
   EXPECT_GT(MeasureHeldOut(without, right, {}).gain_nats, 50.0);
   EXPECT_LT(MeasureHeldOut(right, too_large, {}).gain_nats, -50.0);
 }

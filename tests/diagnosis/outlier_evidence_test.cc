@@ -70,9 +70,9 @@ TEST(OutlierEvidence, ShortOnesAddTheirVariance) {
       if (length_m < kNorm * kSigma) squares += length_m * length_m;
     }
     const double per_axis = squares / kAll / 3.0 / (kSigma * kSigma);
-    EXPECT_NEAR(VarianceOfShortOnes(kShare, size_m, kSigma, kNorm), per_axis, 0.05 * per_axis);
+    EXPECT_NEAR(ShortOutlierVariance(kShare, size_m, kSigma, kNorm), per_axis, 0.05 * per_axis);
   }
-  EXPECT_EQ(VarianceOfShortOnes(0.0, 0.0, kSigma, kNorm), 0.0);
+  EXPECT_EQ(ShortOutlierVariance(0.0, 0.0, kSigma, kNorm), 0.0);
 }
 
 }  // namespace dn::internal::outlier_evidence_test

@@ -203,7 +203,7 @@ TEST(VerdictSentence, OfNoGapTellsTheComponentsOfAVector) {
   GapDiagnosis d = LeverArmDiagnosis();
   d.verdict.kind = GapVerdictKind::kNoGap;
   d.verdict.effects.clear();
-  HiddenEffect hidden;
+  DetectionLimit hidden;
   hidden.effect = "gyro_g_sensitivity";
   hidden.unit = "deg/h/g";
   hidden.minimal_detectable = 0.05;
@@ -299,8 +299,8 @@ TEST(GapSummary, TellsOfAnySizeInOneLine) {
 
 TEST(GapSummary, OfAFlightWithoutPairsMovesNoBoresight) {
   GapDiagnosis d = LeverArmDiagnosis();
-  for (GapCause& cause : d.causes) cause.boresight_damage_rad.setZero();
-  for (HiddenEffect& effect : d.could_still_hide) effect.boresight_damage_rad.setZero();
+  for (GapCause& cause : d.causes) cause.boresight_shift_rad.setZero();
+  for (DetectionLimit& effect : d.could_still_hide) effect.boresight_shift_rad.setZero();
   const std::string text = GapSummary(d);
   EXPECT_THAT(text, AllOf(HasSubstr("gnss_time_offset            below 0.0012 s\n"),
                           Not(HasSubstr("mdeg]")), Not(HasSubstr("boresight shift"))));

@@ -38,8 +38,8 @@ TEST_P(FixedEffect, IsEstimatedAndExplainsTheDataBest) {
   const Shown& shown = GetParam();
   const Flight flight = Simulate(AircraftScenario(Entry(shown)), {}).flight;
   GapOptions options;
-  const Explainer explainer(flight, options);
-  ExplainedFlight explained = explainer.Explain({});
+  const ExtendedModelFitter model_fitter(flight, options);
+  ExtendedFit explained = model_fitter.Explain({});
   const auto found =
       std::find_if(explained.effects.begin(), explained.effects.end(),
                    [&](const ScreenedEffect& effect) { return effect.name == shown.effect; });
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Screen, FindsNothingInNoise) {
   const Flight flight = Simulate(AircraftScenario(), {}).flight;
   const GapOptions options;
-  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
   EXPECT_LT(explained.effects.front().log_evidence, 6.0) << explained.effects.front().name;
 }
 
@@ -97,7 +97,7 @@ Flight FlightWithGnssStep(const std::string& window_s) {
 TEST(RefineTimes, FindsTheEndsOfAWindow) {
   const Flight flight = FlightWithGnssStep("[381131, 381177]");
   const GapOptions options;
-  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
   const ScreenedEffect& best = explained.effects.front();
   ASSERT_EQ(best.name, "gnss_position_step");
   ScreenedEffect refined = best;
@@ -114,7 +114,7 @@ TEST(RefineTimes, FindsTheEndsOfAWindow) {
 TEST(RefineTimes, AStepLastsForFourEpochsAtLeast) {
   const Flight flight = FlightWithGnssStep("[381151, 381153]");
   const GapOptions options;
-  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
   const auto found = std::find_if(
       explained.effects.begin(), explained.effects.end(),
       [](const ScreenedEffect& effect) { return effect.name == "gnss_position_step"; });
@@ -128,7 +128,7 @@ TEST(RefineTimes, AStepLastsForFourEpochsAtLeast) {
 TEST(RefineTimes, LeavesOtherEffectsAlone) {
   const Flight flight = Simulate(AircraftScenario(), {}).flight;
   const GapOptions options;
-  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
   for (const ScreenedEffect& effect : explained.effects) {
     if (effect.name != "lidar_range_offset") continue;
     ScreenedEffect refined = effect;
@@ -146,12 +146,12 @@ ScreenedEffect Judged(const std::string& effects, std::uint64_t seed = 1) {
   effect.name = "gnss_correlated_noise";
   effect.estimate = effect.sigma = Eigen::VectorXd::Zero(4);
   const Adjustment adjustment = Adjust(flight);
-  JudgeProcess(*adjustment.network, 1, &effect);
+  EvaluateProcess(*adjustment.network, 1, &effect);
   if (effect.log_evidence > 10.0) RefineProcess(*adjustment.network, 1, &effect);
   return effect;
 }
 
-TEST(JudgeProcess, FindsTheSizeOfAProcess) {
+TEST(EvaluateProcess, FindsTheSizeOfAProcess) {
   const ScreenedEffect found =
       Judged("effects: [{effect: gnss_correlated_noise, value: [0.04, 0.04, 0.04, 15]}]");
   EXPECT_GT(found.log_evidence, 20.0);
@@ -164,7 +164,7 @@ TEST(JudgeProcess, FindsTheSizeOfAProcess) {
   EXPECT_GT(found.sigma[0] / found.estimate[0], 0.25 * found.sigma[3] / found.estimate[3]);
 }
 
-TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
+TEST(EvaluateProcess, SizesAndTimesAreWithinTheirSigmas) {
   constexpr int kSeeds = 8;
   double sigma2 = 0.0, tau2 = 0.0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -185,7 +185,7 @@ TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
 
 // In seven minutes, errors correlated over hours show no time constant. The estimated size depends
 // on the estimated time constant, and is as uncertain.
-TEST(JudgeProcess, WhatOutlastsTheFlightHasNoSureSize) {
+TEST(EvaluateProcess, WhatOutlastsTheFlightHasNoSureSize) {
   const ScreenedEffect found =
       Judged("effects: [{effect: gnss_correlated_noise, value: [0.5, 0.5, 0.5, 10000]}]");
   ASSERT_GT(found.log_evidence, 10.0);
@@ -194,6 +194,6 @@ TEST(JudgeProcess, WhatOutlastsTheFlightHasNoSureSize) {
   EXPECT_LT(std::abs(std::log(found.estimate[0] / 0.5)), 3.0 * found.sigma[0] / found.estimate[0]);
 }
 
-TEST(JudgeProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
+TEST(EvaluateProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
 
 }  // namespace dn::internal::screen_test

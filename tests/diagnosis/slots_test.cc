@@ -51,8 +51,8 @@ TEST(FillCauses, PutsTheNamedFirstAndWhatHasNoNameApart) {
   const std::vector<ScreenedEffect> screened{WithEvidence("b", 30.0), WithEvidence("a", 29.0),
                                              WithEvidence("strips", 20.0, false),
                                              WithEvidence("c", 0.0)};
-  const std::vector<Slot> slots{
-      MakeSlot("a", {WithEvidence("a", 25.0), WithEvidence("d", 24.5), WithEvidence("c", 0.0)})};
+  const std::vector<CompetingHypotheses> slots{MakeCompetingHypotheses(
+      "a", {WithEvidence("a", 25.0), WithEvidence("d", 24.5), WithEvidence("c", 0.0)})};
   GapDiagnosis diagnosis;
   FillCauses(screened, slots, {Cause("a")}, &diagnosis);
   EXPECT_THAT(Names(diagnosis.causes), ElementsAre("a", "b", "c"));
@@ -65,19 +65,20 @@ TEST(FillCauses, PutsTheNamedFirstAndWhatHasNoNameApart) {
 
 TEST(FillCauses, AddsTheProbabilitiesOfAllSlots) {
   const std::vector<ScreenedEffect> screened{WithEvidence("a", 9.0), WithEvidence("b", 9.0)};
-  const std::vector<Slot> slots{MakeSlot("x", screened), MakeSlot("y", screened)};
+  const std::vector<CompetingHypotheses> slots{MakeCompetingHypotheses("x", screened),
+                                               MakeCompetingHypotheses("y", screened)};
   GapDiagnosis diagnosis;
   FillCauses(screened, slots, {}, &diagnosis);
   const double one = slots[0].posterior[0];
   EXPECT_NEAR(diagnosis.causes[0].posterior, 1.0 - (1.0 - one) * (1.0 - one), 1e-12);
 }
 
-TEST(AllowForOutsiders, LeavesRoomForWhatTheTableLacks) {
+TEST(ScaleToObservedRates, LeavesRoomForWhatTheTableLacks) {
   const auto allowed = [](const GapVerdict& verdict) {
     std::vector<GapCause> causes{Cause("a"), Cause("b")};
     causes[0].posterior = 1.0;
     causes[1].posterior = 0.2;
-    AllowForOutsiders(verdict, &causes);
+    ScaleToObservedRates(verdict, &causes);
     EXPECT_DOUBLE_EQ(causes[1].posterior, 0.2 * causes[0].posterior);
     return causes[0].posterior;
   };
@@ -93,8 +94,10 @@ TEST(AllowForOutsiders, LeavesRoomForWhatTheTableLacks) {
 
 class Decided : public ::testing::Test {
  protected:
-  const std::vector<Slot> clear_{MakeSlot("a", {WithEvidence("a", 30.0), WithEvidence("b", 0.0)})};
-  const std::vector<Slot> tied_{MakeSlot("a", {WithEvidence("a", 30.0), WithEvidence("b", 30.0)})};
+  const std::vector<CompetingHypotheses> clear_{
+      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), WithEvidence("b", 0.0)})};
+  const std::vector<CompetingHypotheses> tied_{
+      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), WithEvidence("b", 30.0)})};
 };
 
 TEST_F(Decided, NamesWhatExplainsTheGap) {
@@ -112,7 +115,7 @@ TEST_F(Decided, NamesAGroupWhereItCannotTell) {
 }
 
 TEST_F(Decided, SaysThatSomethingIsLeft) {
-  const GapVerdict verdict = Decide({.detected = true, .something_left = true}, {"a"}, clear_);
+  const GapVerdict verdict = Decide({.detected = true, .gap_remains = true}, {"a"}, clear_);
   EXPECT_EQ(verdict.kind, GapVerdictKind::kPartial);
   EXPECT_TRUE(verdict.unknown);
   EXPECT_THAT(verdict.effects, ElementsAre("a"));
@@ -129,8 +132,9 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsBetter) {
 TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   ScreenedEffect strips = WithEvidence("strips", 33.0);
   strips.id.reset();
-  const std::vector<Slot> doubtful{MakeSlot("a", {WithEvidence("a", 30.0), strips})};
-  ASSERT_GT(doubtful[0].generic_posterior, 0.5);
+  const std::vector<CompetingHypotheses> doubtful{
+      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), strips})};
+  ASSERT_GT(doubtful[0].discrepancy_posterior, 0.5);
   const GapVerdict alone = Decide({.detected = true}, {"a"}, doubtful);
   EXPECT_EQ(alone.kind, GapVerdictKind::kUnknown);
   EXPECT_THAT(alone.effects, IsEmpty());
@@ -142,7 +146,8 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   EXPECT_THAT(beside.effects, ElementsAre("b", "a"));
 
   strips.log_evidence = 27.0;
-  const std::vector<Slot> likely{MakeSlot("a", {WithEvidence("a", 30.0), strips})};
+  const std::vector<CompetingHypotheses> likely{
+      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), strips})};
   EXPECT_EQ(Decide({.detected = true}, {"a"}, likely).kind, GapVerdictKind::kIdentified);
 }
 
@@ -153,11 +158,13 @@ TEST_F(Decided, KeepsANameThatFitsBetterThanADiscrepancy) {
   heading.id.reset();
   heading.statistic = 90.0;
   drift.statistic = 100.0;
-  EXPECT_EQ(Decide({.detected = true}, {"a"}, {MakeSlot("a", {heading, drift})}).kind,
-            GapVerdictKind::kIdentified);
+  EXPECT_EQ(
+      Decide({.detected = true}, {"a"}, {MakeCompetingHypotheses("a", {heading, drift})}).kind,
+      GapVerdictKind::kIdentified);
   drift.statistic = 80.0;
-  EXPECT_EQ(Decide({.detected = true}, {"a"}, {MakeSlot("a", {heading, drift})}).kind,
-            GapVerdictKind::kUnknown);
+  EXPECT_EQ(
+      Decide({.detected = true}, {"a"}, {MakeCompetingHypotheses("a", {heading, drift})}).kind,
+      GapVerdictKind::kUnknown);
 }
 
 TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {

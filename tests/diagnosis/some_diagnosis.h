@@ -22,7 +22,7 @@ inline GapCause LeverArmCause() {
   cause.estimate = Eigen::Vector3d(0.1, 0.0, -0.05);
   cause.sigma = Eigen::Vector3d(0.004, 0.004, 0.006);
   cause.absorbed_fraction = 0.98;
-  cause.boresight_damage_rad = Mdeg(3.0, -4.0, 14.0);
+  cause.boresight_shift_rad = Mdeg(3.0, -4.0, 14.0);
   cause.inseparable_from = {"lidar_lever_arm"};
   cause.held_out_gain_nats = 12.5;
   return cause;
@@ -74,14 +74,14 @@ inline GapDiagnosis LeverArmDiagnosis() {
   shrinkage.before = {0.002, 0.03, 0.092, std::nullopt, Mdeg(200, 30, 350), Mdeg(1, 1, 3)};
   shrinkage.after = {0.41, 0.001, 0.041, std::nullopt, Mdeg(203, 26, 364), Mdeg(1, 1, 3.5)};
   d.shrinkage = shrinkage;
-  HiddenEffect clock{"gnss_time_offset", "s", 0.0012, std::nullopt, Mdeg(0.2, 7, 5.9), {}};
-  HiddenEffect cone{"lidar_scan_cone",
-                    "deg",
-                    std::numeric_limits<double>::infinity(),
-                    std::nullopt,
-                    Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()),
-                    {"boresight"}};
-  HiddenEffect range{"lidar_range_scale", "ppm", 40.0, 60.0, Mdeg(0.1, 0, 0), {}};
+  DetectionLimit clock{"gnss_time_offset", "s", 0.0012, std::nullopt, Mdeg(0.2, 7, 5.9), {}};
+  DetectionLimit cone{"lidar_scan_cone",
+                      "deg",
+                      std::numeric_limits<double>::infinity(),
+                      std::nullopt,
+                      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                      {"boresight"}};
+  DetectionLimit range{"lidar_range_scale", "ppm", 40.0, 60.0, Mdeg(0.1, 0, 0), {}};
   d.could_still_hide = {range, clock, cone};
   d.fingerprint = {{"lidar p2p, strip pair 1-2, mean", 5.0, 1.0, 0.5, 4.8, 0.6},
                    {"gnss position up, lag 1", 0.1, 0.0, 0.2, std::nullopt, std::nullopt}};

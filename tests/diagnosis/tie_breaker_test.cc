@@ -21,7 +21,7 @@ GapCause Cause(const std::string& effect, std::vector<std::string> inseparable_f
   return cause;
 }
 
-TEST(TiesOf, AreBetweenFixedEffectsThatLast) {
+TEST(FindTies, AreBetweenFixedEffectsThatLast) {
   GapDiagnosis diagnosis;
   diagnosis.causes = {Cause("lidar_range_offset",
                             {"lidar_range_scale", "gnss_correlated_noise", "gnss_position_step"}),
@@ -32,10 +32,10 @@ TEST(TiesOf, AreBetweenFixedEffectsThatLast) {
                       Cause("imu_vibration")};
   diagnosis.causes[4].times.window_s = {{0.0, 1.0}};
   diagnosis.verdict.effects = {"lidar_range_offset", "gyro_noise_scale"};
-  const std::vector<Tie> ties = TiesOf(diagnosis);
+  const std::vector<Tie> ties = FindTies(diagnosis);
   ASSERT_EQ(ties.size(), 1u);
   EXPECT_EQ(ties[0].named.effect, "lidar_range_offset");
-  EXPECT_THAT(ties[0].rivals, ElementsAre("lidar_range_scale"));
+  EXPECT_THAT(ties[0].competing_effects, ElementsAre("lidar_range_scale"));
 }
 
 Candidate Single(const std::string& effect, std::size_t block) {
@@ -70,20 +70,22 @@ Flight TwoParallelStrips() {
   return Simulate(scenario, {}).flight;
 }
 
-TEST(TieBreaker, RangesFromAnotherHeightTellAnOffsetFromAScale) {
+TEST(ProposeTieBreaker, RangesFromAnotherHeightTellAnOffsetFromAScale) {
   const Flight flight = TwoParallelStrips();
   Tie tie{Cause("lidar_range_offset"), {"lidar_range_scale"}};
   tie.named.estimate = Eigen::VectorXd::Constant(1, 0.2);
-  const std::string text = TieBreaker(flight, *flight.reference, Eigen::Vector3d::Zero(), tie, {});
+  const std::string text =
+      ProposeTieBreaker(flight, *flight.reference, Eigen::Vector3d::Zero(), tie, {});
   EXPECT_THAT(text, HasSubstr("one more strip"));
   EXPECT_THAT(text, HasSubstr("would separate lidar_range_offset from lidar_range_scale"));
 }
 
-TEST(TieBreaker, IsNoneForAnErrorTooSmallToShow) {
+TEST(ProposeTieBreaker, IsNoneForAnErrorTooSmallToShow) {
   const Flight flight = TwoParallelStrips();
   Tie tie{Cause("lidar_range_offset"), {"lidar_range_scale"}};
   tie.named.estimate = Eigen::VectorXd::Constant(1, 1e-5);
-  EXPECT_THAT(TieBreaker(flight, *flight.reference, Eigen::Vector3d::Zero(), tie, {}), IsEmpty());
+  EXPECT_THAT(ProposeTieBreaker(flight, *flight.reference, Eigen::Vector3d::Zero(), tie, {}),
+              IsEmpty());
 }
 
 }  // namespace dn::internal::tie_breaker_test

@@ -1,6 +1,6 @@
-#include <dn/effects/effect_table.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/twin.h>
+#include <dn/effects/effect_table.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,13 +31,13 @@ GapCause LidarLate() {
 }
 
 /// A drone flight, and its replicate as `dn simulate` makes it from the files of `dn gap`.
-struct FlightAndTwin {
-  explicit FlightAndTwin(const Scenario& scenario, const std::vector<GapCause>& causes = {})
+struct FlightAndReplicate {
+  explicit FlightAndReplicate(const Scenario& scenario, const std::vector<GapCause>& causes = {})
       : flown(Simulate(scenario, {})) {
     const TempFolder folder;
-    folder.Write(kTwinTrajectoryFile, FormatSbet(flown.flight.reference->points(), true));
+    folder.Write(kReplayTrajectoryFile, FormatSbet(flown.flight.reference->points(), true));
     const Scenario made =
-        TwinScenario(flown.flight, *flown.flight.reference, causes, flown.boresight_rad);
+        MakeReplicateScenario(flown.flight, *flown.flight.reference, causes, flown.boresight_rad);
     again = ParseScenario(FormatScenario(made), (folder.path() / "twin.yaml").string());
     SimulateOptions options;
     options.seed = 7;
@@ -62,9 +62,9 @@ double LargestScanAngle(const Flight& flight) {
 
 double PositionApart(const Trajectory& a, const Trajectory& b) {
   const LocalFrame frame(a.points().front().position);
-  const std::vector<MapPose> poses = a.InMap(frame);
+  const std::vector<MapPose> poses = a.ToMapPoses(frame);
   double largest_m = 0.0;
-  for (const MapPose& pose : b.InMap(frame)) {
+  for (const MapPose& pose : b.ToMapPoses(frame)) {
     if (pose.t_s < a.t_begin_s() || pose.t_s > a.t_end_s()) continue;
     largest_m = std::max(largest_m, (InterpolatePose(poses, pose.t_s).p_mb - pose.p_mb).norm());
   }
@@ -72,7 +72,7 @@ double PositionApart(const Trajectory& a, const Trajectory& b) {
 }
 
 TEST(Twin, FliesTheSameStripsWithTheSameSensors) {
-  const FlightAndTwin both(DroneScenario());
+  const FlightAndReplicate both(DroneScenario());
   const Flight& flight = both.flown.flight;
   const Flight& twin = both.twin.flight;
   constexpr double kSmoothed_m = 0.3;  // a replay is smoothed over a quarter of a second
@@ -92,7 +92,7 @@ TEST(Twin, FliesTheSameStripsWithTheSameSensors) {
 }
 
 TEST(Twin, AssumesWhatTheFlightAssumes) {
-  const FlightAndTwin both(DroneScenario());
+  const FlightAndReplicate both(DroneScenario());
   FlightConfig expected = both.flown.flight.config;
   expected.name = "drone twin";
   FlightConfig twin = both.twin.flight.config;
@@ -101,7 +101,7 @@ TEST(Twin, AssumesWhatTheFlightAssumes) {
 }
 
 TEST(Twin, SeesGroundOfTheSameHeightUnderTheSameAngles) {
-  const FlightAndTwin both(DroneScenario());
+  const FlightAndReplicate both(DroneScenario());
   const double range_m = MeanRange(both.flown.flight.pairs->pairs);
   constexpr double kOfRange = 0.05;  // the replicate has no houses
   EXPECT_NEAR(MeanRange(both.twin.flight.pairs->pairs), range_m, kOfRange * range_m);
@@ -116,7 +116,7 @@ TEST(Twin, FlatGroundStaysFlat) {
   scenario.terrain.kind = TerrainKind::kFlat;
   scenario.terrain.wavelength_m = 100.0;
   scenario.terrain.base_m = -20.0;
-  const FlightAndTwin both(scenario);
+  const FlightAndReplicate both(scenario);
   EXPECT_EQ(both.again.terrain.kind, TerrainKind::kFlat);
   EXPECT_NEAR(both.again.terrain.base_m, -20.0, 0.1);  // noise of the pairs, tangent plane
 }
@@ -125,13 +125,13 @@ TEST(Twin, FindsTheConeOfAConicalScanner) {
   Scenario scenario = DroneScenario();
   scenario.lidar.pattern = ScanPattern::kCone;
   scenario.lidar.fov_rad = 40.0 * kRadPerDeg;
-  const FlightAndTwin both(scenario);
+  const FlightAndReplicate both(scenario);
   EXPECT_EQ(both.again.lidar.pattern, ScanPattern::kCone);
   EXPECT_NEAR(both.again.lidar.fov_rad, 40.0 * kRadPerDeg, 0.1 * kRadPerDeg);
 }
 
 TEST(Twin, HoldsTheEffects) {
-  FlightAndTwin both(DroneScenario(), {LidarLate()});
+  FlightAndReplicate both(DroneScenario(), {LidarLate()});
   ASSERT_EQ(both.again.effects.size(), 1u);
   EXPECT_EQ(both.again.effects[0].name, "lidar_time_offset");
   Flight& twin = both.twin.flight;
@@ -145,7 +145,7 @@ TEST(Twin, HoldsTheEffects) {
 TEST(Twin, NamesStripsAsFilesMayBeNamed) {
   SimulatedFlight flown = Simulate(DroneScenario(), {});
   flown.flight.config.strips[1].name = "../back";
-  const Scenario twin = TwinScenario(flown.flight, *flown.flight.reference, {}, {0, 0, 0});
+  const Scenario twin = MakeReplicateScenario(flown.flight, *flown.flight.reference, {}, {0, 0, 0});
   ASSERT_EQ(twin.plan.strips.size(), 3u);
   EXPECT_EQ(twin.plan.strips[1].name, "2");
 }
@@ -155,7 +155,7 @@ TEST(Twin, OfAFlightWithoutPairsHasNone) {
   scenario.pairs.count = 0;
   scenario.terrain.base_m = -400.0;  // below the ground that a scenario has by default
   for (PlannedLine& line : scenario.plan.lines) line.height_m -= 200.0;
-  const FlightAndTwin both(scenario);
+  const FlightAndReplicate both(scenario);
   EXPECT_EQ(both.again.pairs.count, 0);
   EXPECT_FALSE(both.twin.flight.pairs.has_value());
   EXPECT_EQ(both.twin.flight.gnss->epochs[1].t_s - both.twin.flight.gnss->epochs[0].t_s, 0.5);
@@ -169,7 +169,8 @@ TEST(Twin, HasTheVibrationThatTheFlightStates) {
   found.effect = "imu_vibration";
   found.times.window_s = {381070.0, 381080.0};
   found.estimate = Eigen::Vector2d(0.1, 0.2);
-  const Scenario twin = TwinScenario(flown.flight, *flown.flight.reference, {found}, {0, 0, 0});
+  const Scenario twin =
+      MakeReplicateScenario(flown.flight, *flown.flight.reference, {found}, {0, 0, 0});
   EXPECT_TRUE(twin.imu.model.vibration.empty());
   ASSERT_EQ(twin.effects.size(), 2u);
   EXPECT_EQ(twin.effects[0].name, "imu_vibration");
@@ -183,9 +184,9 @@ TEST(Twin, RefusesAValueThatTheSimulatorRefuses) {
   GapCause cause = LidarLate();
   cause.estimate[0] = std::numeric_limits<double>::quiet_NaN();
   const SimulatedFlight flown = Simulate(DroneScenario(), {});
-  testing::PlaceOfInvalid(
+  testing::InvalidInputLocation(
       [&] {
-        TwinScenario(flown.flight, *flown.flight.reference, {cause}, {0, 0, 0});
+        MakeReplicateScenario(flown.flight, *flown.flight.reference, {cause}, {0, 0, 0});
       },
       "lidar_time_offset");
 }

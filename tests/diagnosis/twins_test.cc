@@ -18,8 +18,8 @@ constexpr Eigen::Index kPlaces = 20;
 constexpr int kTwins = 200;
 
 /// Draws normal, correlated location statistics, and evidence that is not normal.
-Appearance Drawn(Random* random) {
-  Appearance appearance;
+ResidualSummary Drawn(Random* random) {
+  ResidualSummary appearance;
   appearance.locations.resize(kPlaces);
   const double common = random->Normal();
   for (Eigen::Index k = 0; k < kPlaces; ++k) {
@@ -33,43 +33,43 @@ Appearance Drawn(Random* random) {
   return appearance;
 }
 
-Twins DrawnTwins(Random* random) {
-  Twins twins;
+ReplicateSet DrawReplicates(Random* random) {
+  ReplicateSet twins;
   for (int k = 0; k < kTwins; ++k) twins.all.push_back(Drawn(random));
   return twins;
 }
 
-TEST(CompareWithTwins, IsAsOftenSmallAsItSays) {
+TEST(CompareWithReplicates, IsAsOftenSmallAsItSays) {
   constexpr long kFlights = 400;
   Random random(7, "flights without a gap");
-  const Twins twins = DrawnTwins(&random);
+  const ReplicateSet twins = DrawReplicates(&random);
   long below_half = 0;
   for (long k = 0; k < kFlights; ++k) {
-    if (CompareWithTwins(Drawn(&random), twins).p_value <= 0.5) ++below_half;
+    if (CompareWithReplicates(Drawn(&random), twins).p_value <= 0.5) ++below_half;
   }
   // All flights use the same 100 ranking replicates, whose share below a half is known to 5 % only.
   const Interval usual = BinomialInterval(0.9999, 80, 0.5);
   EXPECT_TRUE(usual.Contains(static_cast<double>(below_half) / kFlights)) << below_half;
 }
 
-TEST(CompareWithTwins, IsRightOverManySetsOfTwins) {
+TEST(CompareWithReplicates, IsRightOverManySetsOfTwins) {
   constexpr long kFlights = 150;
   long small = 0;
   for (long k = 0; k < kFlights; ++k) {
     Random random(static_cast<std::uint64_t>(k), "flight and twins");
-    const Twins twins = DrawnTwins(&random);
-    if (CompareWithTwins(Drawn(&random), twins).p_value <= 0.1) ++small;
+    const ReplicateSet twins = DrawReplicates(&random);
+    if (CompareWithReplicates(Drawn(&random), twins).p_value <= 0.1) ++small;
   }
   const Interval usual = BinomialInterval(0.9999, kFlights, 0.1);
   EXPECT_TRUE(usual.Contains(static_cast<double>(small) / kFlights)) << small;
 }
 
-TEST(CompareWithTwins, FindsThePlaceThatDeparts) {
+TEST(CompareWithReplicates, FindsThePlaceThatDeparts) {
   Random random(3, "a flight with a gap");
-  const Twins twins = DrawnTwins(&random);
-  Appearance flight = Drawn(&random);
+  const ReplicateSet twins = DrawReplicates(&random);
+  ResidualSummary flight = Drawn(&random);
   flight.locations[4] += 20.0;
-  const TwinTest test = CompareWithTwins(flight, twins);
+  const ReplicateTest test = CompareWithReplicates(flight, twins);
   constexpr double kLeast = 1.0 / 101.0;  // 100 replicates rank
   EXPECT_DOUBLE_EQ(test.p_largest, kLeast);
   EXPECT_DOUBLE_EQ(test.p_adjusted[4], kLeast);
@@ -81,30 +81,30 @@ TEST(CompareWithTwins, FindsThePlaceThatDeparts) {
   }
 }
 
-TEST(CompareWithTwins, EvidenceAloneShowsAGap) {
+TEST(CompareWithReplicates, EvidenceAloneShowsAGap) {
   Random random(3, "a flight with a gap");
-  const Twins twins = DrawnTwins(&random);
-  Appearance flight = Drawn(&random);
+  const ReplicateSet twins = DrawReplicates(&random);
+  ResidualSummary flight = Drawn(&random);
   flight.log_evidence[1] = 40.0;
-  const TwinTest test = CompareWithTwins(flight, twins);
+  const ReplicateTest test = CompareWithReplicates(flight, twins);
   EXPECT_DOUBLE_EQ(test.p_library, 1.0 / 101.0);
   EXPECT_LT(test.evidence_95, 40.0);
 }
 
-TEST(TwinsAgainstTwins, AgreeWhereTheyAreAlike) {
+TEST(TestReplicateConsistency, AgreeWhereTheyAreAlike) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     Random random(seed, "twins");
-    EXPECT_GT(TwinsAgainstTwins(DrawnTwins(&random)), 1e-4) << seed;
+    EXPECT_GT(TestReplicateConsistency(DrawReplicates(&random)), 1e-4) << seed;
   }
 }
 
-TEST(TwinsAgainstTwins, DifferWhereSomeAreOthers) {
+TEST(TestReplicateConsistency, DifferWhereSomeAreOthers) {
   Random random(1, "twins");
-  Twins twins = DrawnTwins(&random);
+  ReplicateSet twins = DrawReplicates(&random);
   for (std::size_t k = 2 * twins.all.size() / 3; k < twins.all.size(); ++k) {
     twins.all[k].locations[0] += 8.0;
   }
-  EXPECT_LT(TwinsAgainstTwins(twins), 1e-4);
+  EXPECT_LT(TestReplicateConsistency(twins), 1e-4);
 }
 
 /// A flight compared with its replicates.
@@ -112,8 +112,8 @@ struct Compared {
   explicit Compared(const std::string& effects) {
     const Flight flight = Simulate(DroneScenario(effects), {}).flight;
     const GapOptions options;
-    const Explainer explainer(flight, options);
-    test = explainer.Test(explainer.Explain({}), kTwins, &appearance, &twins, &statistics);
+    const ExtendedModelFitter model_fitter(flight, options);
+    test = model_fitter.Test(model_fitter.Explain({}), kTwins, &appearance, &twins, &statistics);
   }
 
   double Z(const std::string& name) const {
@@ -123,15 +123,15 @@ struct Compared {
     return std::nan("");
   }
 
-  Appearance appearance;
-  Twins twins;
+  ResidualSummary appearance;
+  ReplicateSet twins;
   std::vector<LocationStatistic> statistics;
-  TwinTest test;
+  ReplicateTest test;
 };
 
 TEST(Locations, LinearTwinsAreAlike) {
   const Compared without("");
-  EXPECT_GT(TwinsAgainstTwins(without.twins), 1e-4);
+  EXPECT_GT(TestReplicateConsistency(without.twins), 1e-4);
   EXPECT_GT(without.test.p_value, 0.02);
   EXPECT_LT(std::abs(without.Z("gnss position east, mean square")), 4.0);
 }

@@ -125,11 +125,12 @@ TEST_F(PairOfEffects, AreForetoldByTheFactorWithoutThem) {
 
   Eigen::Matrix3Xd foretold = Eigen::Matrix3Xd::Zero(3, 11);
   const LidarEffects lidar{std::make_shared<AllOfLidar>(), std::make_shared<AllOfLidar>()};
-  const std::vector<AttractionBasis> attraction{Eigen::Matrix<double, 3, 2>::Ones()};
+  const std::vector<GravitationBasis> attraction{Eigen::Matrix<double, 3, 2>::Ones()};
   const auto add = [&](PointPairFactor::End end, const LidarEnd& from, double tag_s) {
     const LidarReading reading = Corrected(lidar, x.data() + 9, tag_s, from.u_s);
-    AddByEffects(*plain.SensitivityAt(end, x.data()),
-                 {reading, from.partial.J_effects, nullptr, attraction}, Mounting(), foretold);
+    AddEffectJacobians(*plain.SensitivityAt(end, x.data()),
+                       {reading, from.partial.J_effects, nullptr, attraction}, Mounting(),
+                       foretold);
   };
   add(PointPairFactor::End::kI, i, 1.312);
   add(PointPairFactor::End::kJ, j, 4.222);
@@ -217,8 +218,8 @@ TEST_P(Antenna, JacobiansAgreeAtRandomStates) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);
-    const MotionAtTag motion{10.0, testing::RandomVector(rng, 1.0), testing::RandomVector(rng, 1.0),
-                             testing::RandomVector(rng, 5.0)};
+    const MotionNearTag motion{10.0, testing::RandomVector(rng, 1.0),
+                               testing::RandomVector(rng, 1.0), testing::RandomVector(rng, 5.0)};
     const GnssAntenna factor(GetParam(), testing::RandomVector(rng, 60.0), motion,
                              {std::make_shared<LateAndShifted>()}, Noise<3>::Sigma(0.5));
     const std::vector<VectorXd> x{State(testing::RandomRotation(rng)),
@@ -247,7 +248,7 @@ TEST(GnssAntenna, FollowsTheAntennaToALateTag) {
   const Preintegrated here = IdentityIncrement(imu, tag_s, {});
   const Vector3d a_m =
       at.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(at.p_mb) - 2.0 * w_ie.cross(at.v_m);
-  const MotionAtTag motion{tag_s, here.w_end_b_radps, w_ie, a_m};
+  const MotionNearTag motion{tag_s, here.w_end_b_radps, w_ie, a_m};
   const VectorXd late = Eigen::Vector2d(delay_s, 0.25);
   const std::vector<VectorXd> x{State(at.q_mb), at.p_mb, lever_b, at.v_m, late};
   const auto residual = [&](GnssAntenna::Quantity quantity, const Vector3d& z_m) {

@@ -48,12 +48,12 @@ GnssAntenna Position(const Vector3d& z_m, const std::vector<GnssProcess>& proces
                      const Matrix3d& R_m_enu, const Noise<3>& noise) {
   GnssEffects errors;
   for (const GnssProcess& process : processes) {
-    errors.push_back(std::make_shared<GnssError>(process, R_m_enu));
+    errors.push_back(std::make_shared<CorrelatedGnssError>(process, R_m_enu));
   }
   return GnssAntenna(GnssAntenna::Quantity::kPosition, z_m, {}, errors, noise);
 }
 
-TEST(GnssError, JacobiansAgreeAtRandomStates) {
+TEST(CorrelatedGnssError, JacobiansAgreeAtRandomStates) {
   Matrix3d covariance;
   covariance << 4e-4, 1e-4, 0, 1e-4, 9e-4, -2e-4, 0, -2e-4, 25e-4;
   const Noise<3> noise = Noise<3>::Covariance(covariance);
@@ -76,7 +76,7 @@ TEST(GnssError, JacobiansAgreeAtRandomStates) {
 
 // Hand calculation: with c at half a sigma east and two sigmas up, the measured antenna is 5 mm
 // east of and 4 cm above the true one. The map is rotated by 90 degrees about up.
-TEST(GnssError, IsOfTheLocalAxesOfThePoint) {
+TEST(CorrelatedGnssError, IsOfTheLocalAxesOfThePoint) {
   Matrix3d R_m_enu;
   R_m_enu << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // east at the point is north of the map
   const GnssAntenna factor = Position({10.0, 20.005, 30.04}, {{{0.01, 0.01, 0.02}, 120.0}}, R_m_enu,
@@ -89,7 +89,7 @@ TEST(GnssError, IsOfTheLocalAxesOfThePoint) {
   EXPECT_LE(r.norm(), 1e-10);
 }
 
-TEST(GnssError, AnAxisWithoutSigmaHasNoError) {
+TEST(CorrelatedGnssError, AnAxisWithoutSigmaHasNoError) {
   const GnssAntenna factor = Position(Vector3d::Zero(), {{{0.01, 0.0, 0.02}, 120.0}},
                                       Matrix3d::Identity(), Noise<3>::Sigma(0.01));
   const std::vector<Eigen::VectorXd> x{State(Eigen::Quaterniond::Identity()), Vector3d::Zero(),
@@ -101,10 +101,10 @@ TEST(GnssError, AnAxisWithoutSigmaHasNoError) {
   EXPECT_TRUE(J[4].col(1).isZero(0.0));
 }
 
-TEST(GnssError, RejectsBadInput) {
+TEST(CorrelatedGnssError, RejectsBadInput) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(GnssError({{-0.01, 0.0, 0.0}, 1.0}, Matrix3d::Identity()), InvalidInput);
-  EXPECT_THROW(GnssError({{nan, 0.0, 0.0}, 1.0}, Matrix3d::Identity()), InvalidInput);
+  EXPECT_THROW(CorrelatedGnssError({{-0.01, 0.0, 0.0}, 1.0}, Matrix3d::Identity()), InvalidInput);
+  EXPECT_THROW(CorrelatedGnssError({{nan, 0.0, 0.0}, 1.0}, Matrix3d::Identity()), InvalidInput);
 }
 
 }  // namespace dn::gnss_error_test

@@ -20,7 +20,7 @@ namespace dn::node_bridge_test {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using Matrix9 = NodeBridge::Matrix9;
+using Matrix9 = IncrementConditioning::Matrix9;
 using testing::EarthMotion;
 using testing::State;
 
@@ -51,7 +51,8 @@ class Bridge : public ::testing::Test {
   Preintegrated Increments(double t0_s, double t1_s, const ImuCorrection& correction) const {
     return Preintegrate(imu_, t0_s, t1_s, correction, kNoise);
   }
-  NodeBridge Make(double t0_s, double t_s, double t1_s, const ImuCorrection& correction) const {
+  IncrementConditioning Make(double t0_s, double t_s, double t1_s,
+                             const ImuCorrection& correction) const {
     return {motion_.frame, Increments(t0_s, t_s, correction), Increments(t0_s, t1_s, correction)};
   }
   LidarEnd End(double t0_s, double t_s, double t1_s, const Vector3d& u_s,
@@ -60,7 +61,7 @@ class Bridge : public ::testing::Test {
     end.partial = Increments(t0_s, t_s, correction);
     end.u_s = u_s;
     end.p_nominal_m = motion_.Pose(t0_s).p_mb;
-    end.bridge = std::make_shared<NodeBridge>(Make(t0_s, t_s, t1_s, correction));
+    end.bridge = std::make_shared<IncrementConditioning>(Make(t0_s, t_s, t1_s, correction));
     return end;
   }
   void AddNode(double t_s, std::vector<VectorXd>* x) const {
@@ -102,7 +103,8 @@ TEST_F(Bridge, CorrectionTakesTheNoiseThatTheNodesTell) {
       sample.f_b_mps2 += plain_.accel_bias_mps2;
     }
     const Preintegrated partial = Preintegrate(noisy, 1.0, 1.4, plain_, kNoise);
-    const NodeBridge bridge(motion_.frame, partial, Preintegrate(noisy, 1.0, 2.0, plain_, kNoise));
+    const IncrementConditioning bridge(motion_.frame, partial,
+                                       Preintegrate(noisy, 1.0, 2.0, plain_, kNoise));
     const Vector3d moved = bridge.At(q, q_after, VectorXd()).increments.head<3>();
     before += Log(partial.delta_q.conjugate() * truth.delta_q).cwiseAbs2();
     after += Log((partial.delta_q * Exp(moved)).conjugate() * truth.delta_q).cwiseAbs2();
@@ -116,17 +118,19 @@ TEST_F(Bridge, CorrectionTakesTheNoiseThatTheNodesTell) {
 }
 
 TEST_F(Bridge, ReachesNotBeyondTheNodeAfter) {
-  const NodeBridge bridge = Make(1.0, 2.2, 2.0, plain_);
+  const IncrementConditioning bridge = Make(1.0, 2.2, 2.0, plain_);
   EXPECT_EQ(bridge.covariance(), Increments(1.0, 2.2, plain_).covariance);
-  const NodeBridge::Correction at =
+  const IncrementConditioning::Correction at =
       bridge.At(motion_.Attitude(1.1), motion_.Attitude(2.0), VectorXd());
   EXPECT_EQ(at.increments.norm() + at.J_q.norm() + at.J_q_after.norm(), 0.0);
 }
 
 TEST_F(Bridge, RejectsIncrementsOfAnotherNode) {
   const Preintegrated partial = Increments(1.1, 1.3, plain_);
-  EXPECT_THROW(NodeBridge(motion_.frame, partial, Increments(1.0, 2.0, plain_)), InvalidInput);
-  EXPECT_THROW(NodeBridge(motion_.frame, partial, Increments(1.1, 2.0, scaled_)), InvalidInput);
+  EXPECT_THROW(IncrementConditioning(motion_.frame, partial, Increments(1.0, 2.0, plain_)),
+               InvalidInput);
+  EXPECT_THROW(IncrementConditioning(motion_.frame, partial, Increments(1.1, 2.0, scaled_)),
+               InvalidInput);
 }
 
 TEST_F(Bridge, PlainPairWantsNoBridges) {
@@ -140,7 +144,7 @@ class BridgedEnds : public Bridge, public ::testing::WithParamInterface<std::pai
 
 TEST_P(BridgedEnds, JacobiansAgreeAtRandomStates) {
   const auto [at_i, at_j] = GetParam();
-  const std::vector<AttractionBasis> attraction{Eigen::Matrix<double, 3, 2>::Ones()};
+  const std::vector<GravitationBasis> attraction{Eigen::Matrix<double, 3, 2>::Ones()};
   LidarEnd i = End(1.0, 1.31, 2.0, {950.0, 10.0, 300.0}, scaled_);
   LidarEnd j = End(4.0, 4.22, 5.0, {920.0, 0.0, -250.0}, scaled_);
   if (!at_i) i.bridge = nullptr;
@@ -170,7 +174,7 @@ TEST_P(BridgedEnds, JacobiansAgreeAtRandomStates) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(NodeBridge, BridgedEnds,
+INSTANTIATE_TEST_SUITE_P(IncrementConditioning, BridgedEnds,
                          ::testing::Values(std::pair{true, true}, std::pair{true, false},
                                            std::pair{false, true}),
                          [](const auto& tested) {

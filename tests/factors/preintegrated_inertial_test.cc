@@ -109,7 +109,7 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
         Increments(motion, 3.0, 3.0 + length_s,
                    {testing::RandomVector(rng, 1e-3), testing::RandomVector(rng, 0.1)});
     const int num_gyro = static_cast<int>(seed % 3), num_accel = static_cast<int>(seed / 3 % 3);
-    std::vector<AttractionBasis> attraction;
+    std::vector<GravitationBasis> attraction;
     if (seed % 2 == 1) {  // two effects of the sensors and one on gravitation
       pre.linearisation.effects = {{nullptr, testing::RandomVector(rng, 1e-3)},
                                    {nullptr, testing::RandomVector(rng, 1e-3).head<1>()}};

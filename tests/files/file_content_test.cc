@@ -27,7 +27,7 @@ std::string Rows(double t_s, double step_s, const std::string& rest, int count =
 FileContent Look(const std::string& text, const std::string& name = "data.txt") {
   const TempFolder folder;
   folder.Write(name, text);
-  return LookAtFile(folder.path() / name);
+  return InspectFile(folder.path() / name);
 }
 
 TEST(FileContent, InertialDataByGravity) {
@@ -175,7 +175,7 @@ TEST(FileContent, WhatIsNoneOfThemSaysWhy) {
   EXPECT_EQ(Look("").why, "empty");
   EXPECT_THAT(Look("time,x,y\n1,2,3\n").why, ::testing::HasSubstr("is not a number"));
   EXPECT_THAT(Look(Rows(1, 1, "2, 3")).why, ::testing::HasSubstr("3 columns"));
-  EXPECT_EQ(LookAtFile("/nowhere/at/all").kind, FileKind::kUnknown);
+  EXPECT_EQ(InspectFile("/nowhere/at/all").kind, FileKind::kUnknown);
 }
 
 TEST(FileContent, AFolderInOrderWithoutWhatIsWrittenByUs) {
@@ -184,7 +184,7 @@ TEST(FileContent, AFolderInOrderWithoutWhatIsWrittenByUs) {
   folder.Write("a.txt", Rows(100, 0.01, "0.01, 0.02, 0.3, 0.1, 0.2, -9.8"));
   folder.Write("flight.yaml", "name: x\n");
   folder.Write("reference.txt", "1\n");
-  const std::vector<FileContent> contents = LookAtFolder(folder.path());
+  const std::vector<FileContent> contents = InspectFolder(folder.path());
   ASSERT_EQ(contents.size(), 2u);
   EXPECT_EQ(contents[0].kind, FileKind::kImu);
   EXPECT_EQ(contents[1].kind, FileKind::kGnss);
@@ -197,7 +197,7 @@ TEST(FileContent, WhatIsNoFileInAFolderSaysWhy) {
   std::filesystem::create_symlink("loop.txt", folder.path() / "loop.txt");
   std::filesystem::create_symlink("nowhere", folder.path() / "lost.txt");
   ASSERT_EQ(mkfifo((folder.path() / "pipe.txt").c_str(), 0600), 0);
-  const std::vector<FileContent> contents = LookAtFolder(folder.path());
+  const std::vector<FileContent> contents = InspectFolder(folder.path());
   ASSERT_EQ(contents.size(), 4u);
   EXPECT_EQ(contents[0].kind, FileKind::kGnss);
   EXPECT_THAT(contents[1].why, ::testing::HasSubstr("symbolic links"));

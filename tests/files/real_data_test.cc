@@ -65,7 +65,7 @@ TEST_F(RealData, InertialNoiseIsNotWhite) {
       EXPECT_GT(check.level[triad]->ratio, 3.0);
       EXPECT_LT(check.level[triad]->tilt, -0.2);
     }
-    EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kNotWhite);
+    EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kNotWhite);
   }
 }
 

@@ -82,7 +82,7 @@ Line FitLine(const std::vector<Eigen::Vector2d>& points) {
 TEST_F(Leeward, TheBeamsLieInOnePlaneAtTheirScanAngles) {
   const StripCloud points = ReadAll(Data("leeward/points_ecef.las"));
   const PointCrs crs("ecef", frame_);
-  const std::vector<MapPose> poses = trajectory_.InMap(frame_);
+  const std::vector<MapPose> poses = trajectory_.ToMapPoses(frame_);
   std::vector<Eigen::Vector2d> slopes;
   double sum_deg = 0.0, sum2_deg2 = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {

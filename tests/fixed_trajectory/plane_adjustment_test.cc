@@ -1,6 +1,6 @@
 #include <dn/error.h>
-#include <dn/report/distributions.h>
 #include <dn/fixed_trajectory/plane_adjustment.h>
+#include <dn/report/distributions.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/LU>
@@ -83,7 +83,7 @@ TEST(PlaneAdjustment, RecoversTheTruthWithoutNoise) {
   EXPECT_GT(result.residual_initial_m, 0.1);
   EXPECT_LT(result.residual_final_m, 1e-6);
 
-  for (SeenPlane& plane : problem.planes) {
+  for (ObservedPlane& plane : problem.planes) {
     for (PlanePoint& point : plane.points) point.end.u_b *= 1.0 + 0.25 / point.end.u_b.norm();
   }
   problem.with_range_offset = true;
@@ -164,7 +164,7 @@ TEST(PlaneAdjustment, PlanesOfOneAspectAreWeak) {
 
 TEST(PlaneAdjustment, NoPlaneOfTwoStripsIsRankDeficient) {
   PlaneProblem problem = MakeStripPlanes();
-  for (SeenPlane& plane : problem.planes) {
+  for (ObservedPlane& plane : problem.planes) {
     for (PlanePoint& point : plane.points) point.strip = 0;
   }
   EXPECT_THROW(std::ignore = AdjustPlanes(problem), RankDeficient);
@@ -194,13 +194,13 @@ TEST(PlaneAdjustment, RejectsBadInputByName) {
 
 // With errors that are constant over a strip, the boresight varies much more than the normal matrix
 // predicts. It varies about as much as the reliable covariance predicts.
-TEST(PlaneScatter, CoversErrorsThatLast) {
+TEST(PlaneErrorCovariance, CoversErrorsThatLast) {
   constexpr int kRuns = 40;
   StripPlaneOptions options;
   options.count = 60;
   options.points = 12;
   const PlaneProblem exact = MakeStripPlanes(options);
-  TrajectoryScatterOptions scatter_options;
+  TrajectoryErrorOptions scatter_options;
   scatter_options.sigma_ned_m = options.flight.sigma_ned_m;
   scatter_options.sigma_rph_rad = options.flight.sigma_rph_rad;
   scatter_options.max_nodes = 9;
@@ -219,7 +219,8 @@ TEST(PlaneScatter, CoversErrorsThatLast) {
     };
     Disturb(&problem, errors, rng);
     const PlaneAdjustment result = AdjustPlanes(problem);
-    const PlaneScatter scatter = EstimateTrajectoryScatter(problem, result, scatter_options);
+    const PlaneErrorCovariance scatter =
+        EstimateCorrelatedErrorCovariance(problem, result, scatter_options);
     const Matrix3d attitude_rad2 =
         options.flight.sigma_rph_rad.cwiseAbs2().asDiagonal().toDenseMatrix() *
         scatter.trajectory.constant_share;
@@ -234,7 +235,7 @@ TEST(PlaneScatter, CoversErrorsThatLast) {
   EXPECT_LT(nees, 1.5);
 }
 
-TEST(PlaneScatter, IsThatOfTheStatedCovariance) {
+TEST(PlaneErrorCovariance, IsThatOfTheStatedCovariance) {
   StripPlaneOptions options;
   options.points = 12;
   PlaneProblem problem = MakeStripPlanes(options);
@@ -246,15 +247,18 @@ TEST(PlaneScatter, IsThatOfTheStatedCovariance) {
   stated.t_s = {1000.0, 1036.0, 1130.0, 1166.0, 1260.0, 1296.0};
   stated.strip = {0, 0, 1, 1, 2, 2};
   stated.covariance = 1e-8 * Eigen::MatrixXd::Identity(36, 36);
-  TrajectoryScatterOptions scatter_options;
+  TrajectoryErrorOptions scatter_options;
   scatter_options.covariance = stated;
-  const PlaneScatter small = EstimateTrajectoryScatter(problem, result, scatter_options);
+  const PlaneErrorCovariance small =
+      EstimateCorrelatedErrorCovariance(problem, result, scatter_options);
   EXPECT_GT(small.range_offset_m2, 0.0);
   scatter_options.covariance->covariance *= 1e-4;
-  const PlaneScatter tiny = EstimateTrajectoryScatter(problem, result, scatter_options);
+  const PlaneErrorCovariance tiny =
+      EstimateCorrelatedErrorCovariance(problem, result, scatter_options);
   EXPECT_LT(tiny.trajectory.covariance_rad2.trace(),
             1e-3 * small.trajectory.covariance_rad2.trace());
-  EXPECT_THROW(EstimateTrajectoryScatter(PlaneProblem{}, result, scatter_options), InvalidInput);
+  EXPECT_THROW(EstimateCorrelatedErrorCovariance(PlaneProblem{}, result, scatter_options),
+               InvalidInput);
 }
 
 }  // namespace dn::plane_adjustment_test

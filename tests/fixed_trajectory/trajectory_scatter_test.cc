@@ -60,7 +60,7 @@ struct Case {
   double attitude = 1.0;  ///< sigma of the Gauss-Markov process of the attitude / stated sigma
   double position = 1.0;
   double tau_s = 100.0;
-  StatedBy stated_by = StatedBy::kDataSheet;
+  SigmaSource sigma_source = SigmaSource::kDataSheet;
 };
 
 struct Consistency {
@@ -83,20 +83,21 @@ Consistency RunMonteCarlo(const Case& test, int runs) {
   for (int run = 0; run < runs; ++run) {
     std::mt19937 rng(static_cast<unsigned>(run));
     GaussHelmertProblem problem = exact;
-    testing::Disturb(&problem,
-                     CorrelatedErrors(test.position * options.sigma_ned_m,
-                                      test.stated_by == StatedBy::kSmoother ? 10.0 : test.tau_s,
-                                      test.attitude * options.sigma_rph_rad, test.tau_s,
-                                      test.constant * options.sigma_rph_rad, rng),
-                     options.sigma_p_m, rng);
+    testing::Disturb(
+        &problem,
+        CorrelatedErrors(test.position * options.sigma_ned_m,
+                         test.sigma_source == SigmaSource::kSmoother ? 10.0 : test.tau_s,
+                         test.attitude * options.sigma_rph_rad, test.tau_s,
+                         test.constant * options.sigma_rph_rad, rng),
+        options.sigma_p_m, rng);
     const GaussHelmertResult gh = AdjustGaussHelmert(problem);
-    TrajectoryScatterOptions scatter_options;
+    TrajectoryErrorOptions scatter_options;
     scatter_options.sigma_ned_m = options.sigma_ned_m;
     scatter_options.sigma_rph_rad = options.sigma_rph_rad;
-    scatter_options.stated_by = test.stated_by;
+    scatter_options.sigma_source = test.sigma_source;
     scatter_options.max_nodes = 32;
-    const TrajectoryScatter scatter =
-        EstimateTrajectoryScatter(problem, gh, BoresightModel::kExponential, scatter_options);
+    const CorrelatedErrorCovariance scatter = EstimateCorrelatedErrorCovariance(
+        problem, gh, BoresightModel::kExponential, scatter_options);
     const Matrix3d C = ReliableCovariance(
         gh, scatter,
         scatter.constant_share * Matrix3d(options.sigma_rph_rad.cwiseAbs2().asDiagonal()));
@@ -146,7 +147,7 @@ TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    TrajectoryScatter, Consistent,
+    CorrelatedErrorCovariance, Consistent,
     ::testing::Values(
         Case{"three", testing::CrossingLines(), 0.7, 0.7, 1.0, 100.0},
         Case{"four", FourLines(), 0.7, 0.7, 1.0, 100.0},
@@ -154,13 +155,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"short", testing::CrossingLines(), 0.7, 0.7, 1.0, 10.0},
         Case{"long", testing::CrossingLines(), 0.7, 0.7, 1.0, 600.0},
         Case{"none", testing::CrossingLines(), 1.0, 0.01, 0.01, 100.0},
-        Case{"varying", testing::CrossingLines(), 0.0, 1.0, 1.0, 60.0, StatedBy::kSmoother},
-        Case{"half", testing::CrossingLines(), 0.7, 0.7, 1.0, 100.0, StatedBy::kSmoother},
-        Case{"half_four", FourLines(), 0.7, 0.7, 1.0, 100.0, StatedBy::kSmoother},
-        Case{"constant", FourLines(), 1.0, 0.01, 1.0, 100.0, StatedBy::kSmoother}),
+        Case{"varying", testing::CrossingLines(), 0.0, 1.0, 1.0, 60.0, SigmaSource::kSmoother},
+        Case{"half", testing::CrossingLines(), 0.7, 0.7, 1.0, 100.0, SigmaSource::kSmoother},
+        Case{"half_four", FourLines(), 0.7, 0.7, 1.0, 100.0, SigmaSource::kSmoother},
+        Case{"constant", FourLines(), 1.0, 0.01, 1.0, 100.0, SigmaSource::kSmoother}),
     [](const auto& test) { return std::string(test.param.name); });
 
-TEST(TrajectoryScatter, NoticesThatTheStatedSigmaIsOptimistic) {
+TEST(CorrelatedErrorCovariance, NoticesThatTheStatedSigmaIsOptimistic) {
   constexpr int kRuns = 40;
   const Consistency result =
       RunMonteCarlo({"", testing::CrossingLines(), 1.0, 3.0, 3.0, 100.0}, kRuns);
@@ -173,7 +174,7 @@ TEST(TrajectoryScatter, NoticesThatTheStatedSigmaIsOptimistic) {
 struct OneRun {
   GaussHelmertProblem problem;
   GaussHelmertResult result;
-  TrajectoryScatterOptions options;
+  TrajectoryErrorOptions options;
 
   OneRun() {
     const StripPairOptions strips;
@@ -188,13 +189,14 @@ struct OneRun {
     Adjust();
   }
   void Adjust() { result = AdjustGaussHelmert(problem); }
-  TrajectoryScatter Estimate() const {
-    return EstimateTrajectoryScatter(problem, result, BoresightModel::kExponential, options);
+  CorrelatedErrorCovariance Estimate() const {
+    return EstimateCorrelatedErrorCovariance(problem, result, BoresightModel::kExponential,
+                                             options);
   }
 };
 
-TEST(TrajectoryScatter, FindsTheErrorsThatAreThere) {
-  const TrajectoryScatter scatter = OneRun().Estimate();
+TEST(CorrelatedErrorCovariance, FindsTheErrorsThatAreThere) {
+  const CorrelatedErrorCovariance scatter = OneRun().Estimate();
   EXPECT_GT(scatter.attitude_ratio, 0.3);
   EXPECT_LT(scatter.attitude_ratio, 3.0);
   EXPECT_GT(scatter.evidence_nats, 5.0);
@@ -202,18 +204,18 @@ TEST(TrajectoryScatter, FindsTheErrorsThatAreThere) {
   EXPECT_LE(scatter.nodes, 64);
 }
 
-TEST(TrajectoryScatter, DoesNotDependOnTheOrderOfPairsOrEnds) {
+TEST(CorrelatedErrorCovariance, DoesNotDependOnTheOrderOfPairsOrEnds) {
   OneRun run;
-  const TrajectoryScatter before = run.Estimate();
+  const CorrelatedErrorCovariance before = run.Estimate();
   std::reverse(run.problem.pairs.begin(), run.problem.pairs.end());
   for (GaussHelmertPair& pair : run.problem.pairs) std::swap(pair.i, pair.j);
   run.Adjust();
-  const TrajectoryScatter after = run.Estimate();
+  const CorrelatedErrorCovariance after = run.Estimate();
   EXPECT_LE((before.covariance_rad2 - after.covariance_rad2).norm(),
             1e-6 * before.covariance_rad2.norm());
 }
 
-TEST(TrajectoryScatter, NothingWithoutMisclosures) {
+TEST(CorrelatedErrorCovariance, NothingWithoutMisclosures) {
   OneRun run;
   run.problem = testing::MakeStripPairs();
   run.Adjust();
@@ -221,9 +223,9 @@ TEST(TrajectoryScatter, NothingWithoutMisclosures) {
   EXPECT_LE(sigma.maxCoeff(), 1e-9);  // with stated sigmas of at least 5e-5
 }
 
-TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
+TEST(CorrelatedErrorCovariance, TheReliableCovarianceIsTheSumOfItsParts) {
   OneRun run;
-  const TrajectoryScatter scatter = run.Estimate();
+  const CorrelatedErrorCovariance scatter = run.Estimate();
   const Matrix3d constant = 1e-10 * Matrix3d::Identity();
   const auto white = [&] {
     return Matrix3d(ReliableCovariance(run.result, scatter, constant) - scatter.covariance_rad2 -
@@ -293,12 +295,12 @@ class StatedErrors {
   Eigen::VectorXd errors_;
 };
 
-TEST(TrajectoryScatter, AStatedCovarianceGivesThatOfTheBoresight) {
+TEST(CorrelatedErrorCovariance, AStatedCovarianceGivesThatOfTheBoresight) {
   constexpr int kRuns = 200;
   StripPairOptions strips;
   strips.count = 600;
   const GaussHelmertProblem exact = testing::MakeStripPairs(strips);
-  TrajectoryScatterOptions options;
+  TrajectoryErrorOptions options;
   options.covariance = StatedCovariance(strips);
   double nees = 0.0, scale = 0.0;
   Vector3d error2 = Vector3d::Zero(), stated2 = Vector3d::Zero();
@@ -307,8 +309,8 @@ TEST(TrajectoryScatter, AStatedCovarianceGivesThatOfTheBoresight) {
     GaussHelmertProblem problem = exact;
     testing::Disturb(&problem, StatedErrors(*options.covariance, rng), strips.sigma_p_m, rng);
     const GaussHelmertResult gh = AdjustGaussHelmert(problem);
-    const TrajectoryScatter scatter =
-        EstimateTrajectoryScatter(problem, gh, BoresightModel::kExponential, options);
+    const CorrelatedErrorCovariance scatter =
+        EstimateCorrelatedErrorCovariance(problem, gh, BoresightModel::kExponential, options);
     ASSERT_EQ(scatter.constant_share, 0.0);
     const Matrix3d C = ReliableCovariance(gh, scatter, Matrix3d::Zero());
     const Vector3d e = testing::BoresightError(gh.boresight_rad, strips.boresight_rad);
@@ -324,7 +326,7 @@ TEST(TrajectoryScatter, AStatedCovarianceGivesThatOfTheBoresight) {
   EXPECT_GE(width.minCoeff(), 0.85) << width.transpose();
 }
 
-TEST(TrajectoryScatter, RejectsBadCovariances) {
+TEST(CorrelatedErrorCovariance, RejectsBadCovariances) {
   const auto expect_bad = [](const auto& change) {
     OneRun run;
     run.options.covariance = StatedCovariance(StripPairOptions{});
@@ -341,15 +343,15 @@ TEST(TrajectoryScatter, RejectsBadCovariances) {
   });
 }
 
-TEST(TrajectoryScatter, RejectsBadInput) {
+TEST(CorrelatedErrorCovariance, RejectsBadInput) {
   const auto expect_bad_option = [](const auto& change) {
     OneRun run;
     change(&run.options);
     EXPECT_THROW(run.Estimate(), InvalidConfig);
   };
-  expect_bad_option([](TrajectoryScatterOptions* o) { o->sigma_ned_m.x() = 0.0; });
-  expect_bad_option([](TrajectoryScatterOptions* o) { o->sigma_rph_rad.z() = -1.0; });
-  expect_bad_option([](TrajectoryScatterOptions* o) { o->max_nodes = 1; });
+  expect_bad_option([](TrajectoryErrorOptions* o) { o->sigma_ned_m.x() = 0.0; });
+  expect_bad_option([](TrajectoryErrorOptions* o) { o->sigma_rph_rad.z() = -1.0; });
+  expect_bad_option([](TrajectoryErrorOptions* o) { o->max_nodes = 1; });
   OneRun run;
   run.problem.pairs.pop_back();
   EXPECT_THROW(run.Estimate(), InvalidInput);

@@ -1,5 +1,6 @@
 #include "read_anything.h"
 
+#include <dn/blind_check/blind_record.h>
 #include <dn/error.h>
 #include <dn/files/file_content.h>
 #include <dn/files/flight_config.h>
@@ -11,7 +12,6 @@
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
 #include <dn/lidar/strip_io.h>
-#include <dn/blind_check/blind_record.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/report/json_reader.h>
 #include <dn/sim/scenario.h>
@@ -197,7 +197,7 @@ void Read(char reader, std::string_view content) {
   static const ScratchFolder scratch;
   switch (reader) {
     case 'T':
-      LookAtFile(scratch.Write("data.out", content));  // accepts everything
+      InspectFile(scratch.Write("data.out", content));  // accepts everything
       return CheckTable(scratch.Write("table.txt", content));
     case 'S':
       return CheckTrajectory(scratch.Write("trajectory.out", content));

@@ -122,7 +122,7 @@ TEST(LocalFrame, GravityIsAttractionAndCentrifugalForce) {
     const Eigen::Vector3d rho_m = frame.r0_m() + p_m;
     const Eigen::Vector3d& w = frame.w_ie_m();
     const Eigen::Vector3d centrifugal = -w.cross(w.cross(rho_m));
-    EXPECT_LE((frame.Gravity(p_m) - frame.Attraction(p_m) - centrifugal).norm(), 1e-14);
+    EXPECT_LE((frame.Gravity(p_m) - frame.Gravitation(p_m) - centrifugal).norm(), 1e-14);
   }
 }
 

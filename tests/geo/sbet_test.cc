@@ -162,7 +162,7 @@ TEST(Sbet, APathIsOfEpochsApart) {
   std::string sbet = FormatSbet(points);
   sbet += sbet.substr(499 * kRecordBytes);  // repeats the last record
   const TempFile file("trajectory.out", sbet);
-  const std::vector<NavPoint> path = ReadSbetPath(file.path(), 0.5);
+  const std::vector<NavPoint> path = ReadSbetThinned(file.path(), 0.5);
   ASSERT_EQ(path.size(), 10u);
   for (std::size_t k = 0; k < path.size(); ++k) {
     EXPECT_GE(path[k].t_s, points[0].t_s + 0.5 * static_cast<double>(k));
@@ -173,12 +173,12 @@ TEST(Sbet, APathIsOfEpochsApart) {
     EXPECT_EQ(path[k].position.h_m, same->position.h_m);
     EXPECT_LE(AngleRad(path[k].q_nb, same->q_nb), 1e-14);
   }
-  EXPECT_EQ(ReadSbetPath(file.path(), 0.0).size(), points.size());
+  EXPECT_EQ(ReadSbetThinned(file.path(), 0.0).size(), points.size());
   const TempFile cut("cut.out", sbet.substr(0, 500));
-  ExpectInvalid([&] { ReadSbetPath(cut.path(), 0.5); }, "truncated", 0);
+  ExpectInvalid([&] { ReadSbetThinned(cut.path(), 0.5); }, "truncated", 0);
   Set(sbet, 2, 1, 46.57);
   const TempFile in_degrees("degrees.out", sbet);
-  ExpectInvalid([&] { ReadSbetPath(in_degrees.path(), 0.5); }, "SBET record 3: latitude", 0);
+  ExpectInvalid([&] { ReadSbetThinned(in_degrees.path(), 0.5); }, "SBET record 3: latitude", 0);
 }
 
 TEST(Sbet, RejectsBadFilesEachByItsOwnMessage) {

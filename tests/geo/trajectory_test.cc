@@ -75,15 +75,15 @@ TEST(Trajectory, KnowsItsSpan) {
   EXPECT_TRUE(trajectory.Covers(0.0) && trajectory.Covers(1.0));
   EXPECT_FALSE(trajectory.Covers(-0.001) || trajectory.Covers(1.001));
   EXPECT_FALSE(Trajectory().Covers(0.0));
-  EXPECT_EQ(trajectory.InMap(kFrame).size(), 2u);
+  EXPECT_EQ(trajectory.ToMapPoses(kFrame).size(), 2u);
 }
 
 TEST(Trajectory, PointFromATimeIsTheNextOne) {
   const Trajectory trajectory(TwoPoints());
-  EXPECT_EQ(trajectory.PointFrom(-1.0).t_s, 0.0);
-  EXPECT_EQ(trajectory.PointFrom(0.0).t_s, 0.0);
-  EXPECT_EQ(trajectory.PointFrom(0.1).t_s, 1.0);
-  EXPECT_EQ(trajectory.PointFrom(3.0).t_s, 1.0);
+  EXPECT_EQ(trajectory.FirstPointAtOrAfter(-1.0).t_s, 0.0);
+  EXPECT_EQ(trajectory.FirstPointAtOrAfter(0.0).t_s, 0.0);
+  EXPECT_EQ(trajectory.FirstPointAtOrAfter(0.1).t_s, 1.0);
+  EXPECT_EQ(trajectory.FirstPointAtOrAfter(3.0).t_s, 1.0);
 }
 
 TEST(MedianStep, IsNotThatOfAGap) {
@@ -143,18 +143,18 @@ TEST(Trajectory, InMapAtATimeIsThatOfAllItsPoints) {
     points.push_back(ToNavPoint(pose, kFrame));
   }
   const Trajectory trajectory(points);
-  const std::vector<MapPose> poses = trajectory.InMap(kFrame);
+  const std::vector<MapPose> poses = trajectory.ToMapPoses(kFrame);
   for (const double t_s : {0.0, 0.3, 0.7, 0.9, 1.8, 2.5}) {
     SCOPED_TRACE(t_s);
-    const MapPose at = trajectory.InMapAt(t_s, kFrame), of_all = InterpolatePose(poses, t_s);
+    const MapPose at = trajectory.MapPoseAt(t_s, kFrame), of_all = InterpolatePose(poses, t_s);
     EXPECT_EQ(at.t_s, of_all.t_s);
     EXPECT_EQ(at.p_mb, of_all.p_mb);
     EXPECT_EQ(at.v_m, of_all.v_m);
     EXPECT_EQ(at.q_mb.coeffs(), of_all.q_mb.coeffs());
   }
   for (const double t_s : {-0.1, 2.6, std::nan("")}) {
-    ExpectInvalid([&] { trajectory.InMapAt(t_s, kFrame); }, "outside the trajectory (0 s to 2.5 s)",
-                  0);
+    ExpectInvalid([&] { trajectory.MapPoseAt(t_s, kFrame); },
+                  "outside the trajectory (0 s to 2.5 s)", 0);
   }
 }
 

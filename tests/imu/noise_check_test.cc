@@ -44,8 +44,8 @@ TEST(NoiseCheck, AcceptsTheAssumedNoise) {
   for (unsigned seed = 1; seed <= kFlights; ++seed) {
     SCOPED_TRACE(seed);
     const NoiseCheck check = Check(WhiteImu(seed, 120.0));
-    EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kAssumed);
-    const NoiseCauses causes = CausesOf(check.evidence);
+    EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kAssumed);
+    const NoiseCauses causes = NoiseCauseEvidence(check.evidence);
     EXPECT_LT(std::max({causes.scale[0], causes.scale[1], causes.window, causes.not_white[0],
                         causes.not_white[1]}),
               0.0);
@@ -62,7 +62,7 @@ TEST(NoiseCheck, AcceptsTheAssumedNoise) {
 
 TEST(NoiseCheck, FindsTheRatioOfEachTriad) {
   const NoiseCheck check = Check(WhiteImu(1, 300.0, 1.05, 0.8));
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kScale);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kScale);
   const NoiseLevel& gyro = *check.level[kGyroTriad];
   const NoiseLevel& accel = *check.level[kAccelTriad];
   EXPECT_NEAR(gyro.ratio, 1.05, kSigmas * gyro.sigma);
@@ -70,7 +70,7 @@ TEST(NoiseCheck, FindsTheRatioOfEachTriad) {
   EXPECT_NEAR(gyro.sigma, 1.05 / std::sqrt(2.0 * 3.0 * 0.75 * 300.0 * kWhiteRateHz), 1e-5);
   for (const double ratio : gyro.axis_ratio) EXPECT_NEAR(ratio, 1.05, kSigmas * 2.0 * gyro.sigma);
   EXPECT_LT(std::abs(gyro.tilt), kSigmas * gyro.tilt_sigma);
-  const NoiseCauses causes = CausesOf(check.evidence);
+  const NoiseCauses causes = NoiseCauseEvidence(check.evidence);
   EXPECT_GT(causes.scale[kGyroTriad], kClear);
   EXPECT_GT(causes.scale[kAccelTriad], kClear);
   EXPECT_LT(causes.window, -1.0);
@@ -79,7 +79,7 @@ TEST(NoiseCheck, FindsTheRatioOfEachTriad) {
 
 // Both triads have more noise, like in a window that lasts the whole flight.
 TEST(NoiseCheck, LargerNoiseIsNotAWindow) {
-  const NoiseCauses causes = CausesOf(Check(WhiteImu(7, 300.0, 1.2, 1.2)).evidence);
+  const NoiseCauses causes = NoiseCauseEvidence(Check(WhiteImu(7, 300.0, 1.2, 1.2)).evidence);
   EXPECT_GT(causes.scale[kGyroTriad], kClear);
   EXPECT_GT(causes.scale[kAccelTriad], kClear);
   EXPECT_LT(causes.window, -kClear);
@@ -88,16 +88,16 @@ TEST(NoiseCheck, LargerNoiseIsNotAWindow) {
 
 TEST(NoiseCheck, OneTriadAloneMayHaveAnotherSize) {
   const NoiseCheck check = Check(WhiteImu(6, 120.0, 1.0, 1.1));
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kScale);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kScale);
   EXPECT_LT(check.evidence.scale[kGyroTriad], 0.0);
-  const NoiseCauses causes = CausesOf(check.evidence);
+  const NoiseCauses causes = NoiseCauseEvidence(check.evidence);
   EXPECT_LT(causes.scale[kGyroTriad], 0.0);
   EXPECT_GT(causes.scale[kAccelTriad], kClear);
 }
 
 TEST(NoiseCheck, FindsAWindow) {
   const NoiseCheck check = Check(Vibrating(WhiteImu(2, 300.0), 101.0, 143.0, 5e-4, 4e-3));
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kWindow);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kWindow);
   ASSERT_TRUE(check.window);
   EXPECT_NEAR(check.window->t0_s, 1101.0, 2.0);
   EXPECT_NEAR(check.window->t1_s, 1143.0, 2.0);
@@ -106,9 +106,9 @@ TEST(NoiseCheck, FindsAWindow) {
   EXPECT_NEAR(check.window->sigma[kAccelTriad], 4e-3,
               kSigmas * check.window->sigma_of_sigma[kAccelTriad]);
   EXPECT_LT(check.window->sigma_of_sigma[kGyroTriad], 5e-5);
-  EXPECT_GT(check.window->log_likelihood_over_flight, kClear);
-  EXPECT_GT(check.window->log_likelihood, check.window->log_likelihood_over_flight);
-  const NoiseCauses causes = CausesOf(check.evidence);
+  EXPECT_GT(check.window->log_likelihood_against_scale, kClear);
+  EXPECT_GT(check.window->log_likelihood, check.window->log_likelihood_against_scale);
+  const NoiseCauses causes = NoiseCauseEvidence(check.evidence);
   EXPECT_GT(causes.window, kClear);
   EXPECT_LT(causes.scale[kGyroTriad], -1.0);
   EXPECT_LT(causes.scale[kAccelTriad], -1.0);
@@ -117,12 +117,12 @@ TEST(NoiseCheck, FindsAWindow) {
 
 TEST(NoiseCheck, FindsAWindowAndAScale) {
   const NoiseCheck check = Check(Vibrating(WhiteImu(3, 300.0, 1.3, 1.0), 40.0, 80.0, 1e-3, 8e-3));
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kWindowAndScale);
-  const NoiseCauses causes = CausesOf(check.evidence);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kWindowAndScale);
+  const NoiseCauses causes = NoiseCauseEvidence(check.evidence);
   EXPECT_GT(causes.window, kClear);
   EXPECT_GT(causes.scale[kGyroTriad], kClear);
-  ASSERT_TRUE(check.window_beside_scale);
-  const NoiseWindow& window = *check.window_beside_scale;
+  ASSERT_TRUE(check.window_with_scale);
+  const NoiseWindow& window = *check.window_with_scale;
   EXPECT_NEAR(window.t0_s, 1040.0, 0.4);
   EXPECT_NEAR(window.t1_s, 1080.0, 0.4);
   EXPECT_NEAR(window.sigma[kGyroTriad], 1e-3, kSigmas * window.sigma_of_sigma[kGyroTriad]);
@@ -158,7 +158,7 @@ TEST(NoiseCheck, KnownNoiseIsNotFoundAgain) {
   ImuModel model = WhiteModel();
   model.vibration = {{found.t0_s, found.t1_s, found.sigma[kGyroTriad], found.sigma[kAccelTriad]}};
   const NoiseCheck check = CheckNoise(MeasureHighBand(imu, model));
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kAssumed);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kAssumed);
   EXPECT_NEAR(check.level[kGyroTriad]->ratio, 1.0, kSigmas * check.level[kGyroTriad]->sigma);
   model.vibration.front().accel_sigma_mps2 = -1.0;
   ExpectInvalid([&] { MeasureHighBand(imu, model); }, "sigma", 0);
@@ -170,7 +170,7 @@ TEST(NoiseCheck, FindsASecondWindow) {
   ImuModel model = WhiteModel();
   model.vibration = {{1071.05, 1093.02, 3e-3, 2e-2}};
   const NoiseCheck check = CheckNoise(MeasureHighBand(imu, model));
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kWindow);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kWindow);
   ASSERT_TRUE(check.window);
   EXPECT_NEAR(check.window->t0_s, 1180.0, 0.4);
   EXPECT_NEAR(check.window->t1_s, 1220.0, 0.4);
@@ -185,10 +185,10 @@ TEST(NoiseCheck, ALineIsNotWhite) {
     sample.w_ib_b_radps.z() += 7e-4 * std::sin(2.0 * std::numbers::pi * 38.0 * sample.t_s);
   }
   const NoiseCheck check = Check(imu);
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kNotWhite);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kNotWhite);
   EXPECT_GT(check.evidence.coloured[kGyroTriad], check.evidence.unsteady[kGyroTriad] + kClear);
   EXPECT_LT(check.evidence.coloured[kAccelTriad], 0.0);
-  const NoiseCauses causes = CausesOf(check.evidence);
+  const NoiseCauses causes = NoiseCauseEvidence(check.evidence);
   EXPECT_GT(causes.not_white[kGyroTriad], kClear);
   EXPECT_LT(causes.not_white[kAccelTriad], 0.0);
   EXPECT_LT(causes.scale[kGyroTriad], 0.0) << "a line has no scale";
@@ -201,7 +201,7 @@ TEST(NoiseCheck, OneTriadMayBeWhiteWhereTheOtherIsNot) {
   for (ImuSample& sample : imu.samples) {
     sample.w_ib_b_radps.z() += 7e-4 * std::sin(2.0 * std::numbers::pi * 38.0 * sample.t_s);
   }
-  const NoiseCauses causes = CausesOf(Check(imu).evidence);
+  const NoiseCauses causes = NoiseCauseEvidence(Check(imu).evidence);
   EXPECT_GT(causes.not_white[kGyroTriad], kClear);
   EXPECT_LT(causes.scale[kGyroTriad], 0.0);
   EXPECT_GT(causes.scale[kAccelTriad], kClear);
@@ -211,7 +211,7 @@ TEST(NoiseCheck, IntermittentNoiseIsUnsteady) {
   ImuData imu = WhiteImu(5, 200.0);
   for (int k = 0; k < 10; ++k) imu = Vibrating(imu, 20.0 * k, 20.0 * k + 4.0 + k, 8e-4, 6e-3);
   const NoiseCheck check = Check(imu);
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kNotWhite);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kNotWhite);
   for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
     EXPECT_GT(check.evidence.unsteady[triad], check.evidence.coloured[triad] + kClear);
   }

@@ -385,7 +385,7 @@ void ExpectSameBits(const Preintegrated& a, const Preintegrated& b) {
   EXPECT_EQ(a.J_effects, b.J_effects);
 }
 
-TEST(GrowingIncrements, AgreeWithPreintegrate) {
+TEST(IncrementalPreintegrator, AgreeWithPreintegrate) {
   ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   imu.bridges.push_back({imu.samples[160].t_s - 0.01, imu.samples[160], 1e-4, 1e-3});
   const PreintegrationNoise noise{kArw, kVrw, 1e-6, {{0.7, 0.9, 1e-3, 1e-2}}};
@@ -394,7 +394,7 @@ TEST(GrowingIncrements, AgreeWithPreintegrate) {
   const ImuCorrection with_effects =
       WithEffects({1e-3, 0.0, 0.0}, {0.0, 0.1, 0.0}, mixed, Vector3d(1e-2, -5e-3, 2e-3));
   for (const ImuCorrection& at : {plain, with_effects}) {
-    GrowingIncrements growing(imu, 0.4021, at, noise);
+    IncrementalPreintegrator growing(imu, 0.4021, at, noise);
     for (const double end_s : {0.4022, 0.405, 0.4061, 0.4061, 0.73, 0.8049, 0.805, 0.8051, 1.999}) {
       SCOPED_TRACE(end_s);
       ExpectSameBits(growing.To(end_s), Preintegrate(imu, 0.4021, end_s, at, noise));
@@ -404,14 +404,14 @@ TEST(GrowingIncrements, AgreeWithPreintegrate) {
   }
 }
 
-TEST(GrowingMotion, AgreesWithPreintegrate) {
+TEST(IncrementalMotionIntegrator, AgreesWithPreintegrate) {
   ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   const ImuCorrection plain{{1e-3, 0.0, 0.0}, {0.0, 0.1, 0.0}, {}};
   const ImuCorrection with_effects =
       WithEffects({1e-3, 0.0, 0.0}, {0.0, 0.1, 0.0}, 1e-3 * Eigen::VectorXd::Ones(6),
                   Vector3d(1e-2, -5e-3, 2e-3));
   for (const ImuCorrection& at : {plain, with_effects}) {
-    GrowingMotion growing(imu, 0.4021, at);
+    IncrementalMotionIntegrator growing(imu, 0.4021, at);
     for (const double end_s : {0.4022, 0.405, 0.4061, 0.4061, 0.73, 0.8049, 0.805, 0.8051, 1.999}) {
       SCOPED_TRACE(end_s);
       const Preintegrated whole = Preintegrate(imu, 0.4021, end_s, at, {kArw, kVrw, 1e-6});

@@ -53,14 +53,14 @@ TEST(EarthStep, ForthAndBackIsTheIdentity) {
 
 // A point mass has the gradient GM/r^3 (3 e e^T - I). The flattening changes it (J2: 3 J2 = 0.3 %,
 // times 4).
-TEST(AttractionGradient, IsNearlyThatOfAPointMass) {
+TEST(GravitationGradient, IsNearlyThatOfAPointMass) {
   const LocalFrame frame = Alps();
   const Vector3d p(1000.0, -2000.0, 1500.0);
   const Vector3d rho = frame.r0_m() + p;
   const double scale = 3.986004418e14 / std::pow(rho.norm(), 3);
   const Vector3d e = rho.normalized();
   const Matrix3d expected = scale * (3.0 * e * e.transpose() - Matrix3d::Identity());
-  EXPECT_LE((AttractionGradient(frame, p) - expected).norm(), 0.015 * expected.norm());
+  EXPECT_LE((GravitationGradient(frame, p) - expected).norm(), 0.015 * expected.norm());
 }
 
 Preintegrated Increments(const EarthMotion& motion, double t0_s, double t1_s) {

@@ -11,12 +11,12 @@ namespace dn::white_rows_test {
 constexpr double kRelative = 0.2;
 
 void ExpectDensity(const ImuData& imu) {
-  const WhiteRows found = WhiteNoiseOfRows(imu);
+  const WhiteNoiseDensities found = EstimateWhiteNoise(imu);
   EXPECT_NEAR(found.gyro_rad_per_sqrt_s / 1e-4, 1.0, kRelative);
   EXPECT_NEAR(found.accel_mps_per_sqrt_s / 1e-3, 1.0, kRelative);
 }
 
-TEST(WhiteRows, FindsTheDensityDuringMotion) {
+TEST(WhiteNoiseDensities, FindsTheDensityDuringMotion) {
   ImuData imu = testing::WhiteImu(100, 60.0);
   ExpectDensity(imu);
   for (ImuSample& sample : imu.samples) sample.w_ib_b_radps.x() += 0.1 * std::sin(sample.t_s);
@@ -24,7 +24,7 @@ TEST(WhiteRows, FindsTheDensityDuringMotion) {
 }
 
 // The logger writes each row of its sensor three times.
-TEST(WhiteRows, IgnoresRepeatedRows) {
+TEST(WhiteNoiseDensities, IgnoresRepeatedRows) {
   ImuData imu = testing::WhiteImu(100, 60.0), log = imu;
   log.samples.clear();
   for (const ImuSample& sample : imu.samples) {
@@ -36,9 +36,9 @@ TEST(WhiteRows, IgnoresRepeatedRows) {
   ExpectDensity(log);
 }
 
-TEST(WhiteRows, ZeroForFewRows) {
+TEST(WhiteNoiseDensities, ZeroForFewRows) {
   ImuData imu = testing::WhiteImu(100, 0.03);
-  EXPECT_EQ(WhiteNoiseOfRows(imu).gyro_rad_per_sqrt_s, 0.0);
+  EXPECT_EQ(EstimateWhiteNoise(imu).gyro_rad_per_sqrt_s, 0.0);
 }
 
 }  // namespace dn::white_rows_test

@@ -160,14 +160,14 @@ TEST_F(BareStrips, OneStripIsTooFew) {
   EXPECT_THROW(MatchBareStrips(&source, {}), InvalidInput);
 }
 
-TEST(MisalignmentOf, HasTheDirectionOfTheDifferences) {
+TEST(ComputeMisalignment, HasTheDirectionOfTheDifferences) {
   const Misalignment east =
-      MisalignmentOf({Vector3d(2, 0, 0), Vector3d(4, 0, 0), Vector3d(3, 0, 1)});
+      ComputeMisalignment({Vector3d(2, 0, 0), Vector3d(4, 0, 0), Vector3d(3, 0, 1)});
   EXPECT_NEAR(east.heading_deg, 90.0, 1e-12);
   EXPECT_NEAR(east.same_direction, 1.0, 1e-12);
   EXPECT_NEAR(east.mean_enu_m.x(), 3.0, 1e-12);
   EXPECT_NEAR(east.rms_m, std::sqrt((4.0 + 16.0 + 10.0) / 3.0), 1e-12);
-  const Misalignment none = MisalignmentOf({Vector3d(1, 0, 0), Vector3d(-1, 0, 0)});
+  const Misalignment none = ComputeMisalignment({Vector3d(1, 0, 0), Vector3d(-1, 0, 0)});
   EXPECT_NEAR(none.same_direction, 0.0, 1e-12);
 }
 

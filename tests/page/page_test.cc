@@ -60,7 +60,7 @@ TEST(Page, SaysOfEveryVerdictWhetherToRelyOnIt) {
     Json result = Result("dn", 0.2, 0.001);
     result["assessment"] = {{"verdict", verdict}, {"reasons", {"because"}}};
     const Folder folder("result.json", result);
-    const Document page = PageOf(folder.path());
+    const Document page = MakePage(folder.path());
     ASSERT_EQ(page.headlines.size(), 1u);
     EXPECT_EQ(page.headlines[0].word, verdict);
     EXPECT_EQ(page.headlines[0].tone, tone) << verdict;
@@ -79,14 +79,14 @@ TEST(Page, LeavesOutWhatTwoRunsOfOneWorkDifferIn) {
   other["timings_s"] = {{"total", 12.5}};
   const Folder one("monte_carlo.json", {{"flights", 3}, {"consistent", true}});
   const Folder two("monte_carlo.json", {{"flights", 3}, {"consistent", true}}, other);
-  EXPECT_EQ(ToHtml(PageOf(one.path())), ToHtml(PageOf(two.path())));
+  EXPECT_EQ(ToHtml(MakePage(one.path())), ToHtml(MakePage(two.path())));
 }
 
 TEST(Page, WhatIsAbsentIsADash) {
   for (const char* name : {"result.json", "smooth.json", "gap.json", "study.json",
                            "monte_carlo.json", "allan.json", "other.json"}) {
     const Folder folder(name, {{"boresight", {{"angles_deg", {nullptr, "x"}}}}});
-    EXPECT_THAT(ToHtml(PageOf(folder.path())), HasSubstr("1.2.3")) << name;
+    EXPECT_THAT(ToHtml(MakePage(folder.path())), HasSubstr("1.2.3")) << name;
   }
 }
 
@@ -96,22 +96,22 @@ TEST(Page, AFlightWithAHostileNameStaysAName) {
   result["estimates"] = {
       {"</td><script>alert(2)</script>", {{"value", {1.0}}, {"sigma", {0.1}}, {"unit", "<b>"}}}};
   const Folder folder("result.json", result);
-  EXPECT_THAT(ToHtml(PageOf(folder.path())), Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(ToHtml(MakePage(folder.path())), Not(HasSubstr("<script>alert")));
 }
 
 TEST(Page, DamagedFilesAreNamed) {
   const Folder folder("result.json", Result("dn", 0.2, 0.001));
   folder.Write("result.json", "{");
-  EXPECT_THROW((void)PageOf(folder.path()), InvalidInput);
+  EXPECT_THROW((void)MakePage(folder.path()), InvalidInput);
   const TempFolder empty;
-  EXPECT_THROW((void)PageOf(empty.path()), InvalidInput);
+  EXPECT_THROW((void)MakePage(empty.path()), InvalidInput);
 }
 
 TEST(Comparison, IndependentResultsHaveTheSumOfTheirCovariances) {
   const Folder a("result.json", Result("dn", 0.200, 0.003));
   const Folder b("result.json", Result("dn", 0.206, 0.004));
   const Folder c("result.json", Result("dn", 0.300, 0.004));
-  const Document page = PageOf(std::vector{a.path(), b.path(), c.path()});
+  const Document page = MakePage(std::vector{a.path(), b.path(), c.path()});
   EXPECT_EQ(page.headlines.size(), 3u);
   const Table& differences = DifferenceRows(page);
   ASSERT_EQ(differences.rows.size(), 3u);
@@ -126,7 +126,7 @@ TEST(Comparison, IndependentResultsHaveTheSumOfTheirCovariances) {
 TEST(Comparison, OfOneFlightTheDifferenceOfTheCovariances) {
   const Folder dn("result.json", Result("dn", 0.200, 0.003));
   const Folder gh("result.json", Result("gh", 0.206, 0.005));
-  const Document page = PageOf(std::vector{dn.path(), gh.path()});
+  const Document page = MakePage(std::vector{dn.path(), gh.path()});
   const Table& differences = DifferenceRows(page);
   EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, 0.01);
   EXPECT_NEAR(NumberAt(differences, 0, 2), 4.0, 1e-9);
@@ -159,7 +159,7 @@ TEST(Page, OfMatchingSaysHowManyPairsThereAreAndHowFarApart) {
                "11, 21, 5, 2, 3, 1, 0.5, 0.1, 0, 0.01, 0, 0.05, 0.05, 0.01, 5\n");
   folder.Write("swaths.json", R"({"swaths": [{"strip": "1", "line_en_m": [[2, 1], [3, 1]],
       "outline_en_m": [[0, 0], [9, 0], [9, 9]]}]})");
-  const Document page = PageOf(folder.path());
+  const Document page = MakePage(folder.path());
   ASSERT_EQ(page.headlines.size(), 1u);
   EXPECT_EQ(page.headlines[0].word, "matched");
   EXPECT_EQ(page.headlines[0].tone, Tone::kGood);
@@ -176,7 +176,7 @@ TEST(Page, OfMatchingSaysHowManyPairsThereAreAndHowFarApart) {
 }
 
 TEST(Page, OfMatchingHasTheSwathSeparationBeforeAndAfter) {
-  const Document page = PageOf(Folder("match.json", Match(6)).path());
+  const Document page = MakePage(Folder("match.json", Match(6)).path());
   const Section& section = page.sections.at(1);
   EXPECT_EQ(section.title, "Swath separation");
   const Table& table = std::get<Table>(section.contents.at(0));
@@ -201,7 +201,7 @@ TEST(Page, OfAllMethodsHasTheirSwathSeparationsSideBySide) {
   gh["strip_pairs"] = StripPairs(0.1, 0.7);
   const Folder folder("result_dn.json", dn);
   folder.Write("result_gh.json", gh.dump());
-  const Document page = PageOf(folder.path());
+  const Document page = MakePage(folder.path());
   const Section& section = page.sections.at(1);
   const Table& table = std::get<Table>(section.contents.at(0));
   ASSERT_EQ(table.rows.size(), 3u);
@@ -219,7 +219,7 @@ TEST(Page, OfNewStripsSaysHowFarTheyMovedAndMapsThem) {
                                       {"strips", {{{"name", "1.las"}, {"shift_rms_m", 1.25}}}}});
   folder.Write("swaths.json", R"({"swaths": [{"strip": "1", "line_en_m": [],
       "outline_en_m": [[0, 0], [9, 0], [9, 9]]}]})");
-  const Document page = PageOf(folder.path());
+  const Document page = MakePage(folder.path());
   EXPECT_EQ(page.headlines.at(0).word, "georeferenced");
   const Section& strips = page.sections.at(0);
   EXPECT_EQ(NumberAt(std::get<Table>(strips.contents.at(0)), 0, 3), 1.25);
@@ -249,7 +249,7 @@ TEST(Page, OfAnHourOfFlightIsSmallEnoughToSend) {
   folder.Write("trajectory_sigma.txt", Rows(36000, 10, 0.1));
   folder.Write("biases.txt", Rows(36000, 13, 0.1));
   folder.Write("pair_residuals.txt", Rows(40000, 17, 0.09));
-  const std::string html = ToHtml(PageOf(folder.path()));
+  const std::string html = ToHtml(MakePage(folder.path()));
   EXPECT_THAT(html, HasSubstr("Where the pairs lie, after"));
   EXPECT_THAT(html, HasSubstr("Gyro, with a band"));
   EXPECT_LT(html.size(), kMostBytes);
@@ -271,7 +271,7 @@ TEST(Page, OfABlindCheckSaysWhetherThereAreTooManyFalseAlarms) {
         {{"nothing", {{"false_alarms", Hits(alarms, 10)}, {"allowed_95", {0.0, 0.2}}}},
          {"by_size", {size}},
          {"reliability", {bin}}});
-    return PageOf(folder.path());
+    return MakePage(folder.path());
   };
   EXPECT_EQ(page(1).headlines.at(0).tone, Tone::kGood);
   EXPECT_EQ(page(5).headlines.at(0).tone, Tone::kBad);
@@ -291,7 +291,7 @@ TEST(Page, OfASweepHasTheBestDesignFirst) {
       {{"labels", {"two"}}, {"singular", ""}, {"sigma_deg", {0.003, 0.002, 0.009}}},
       {{"labels", {"cross"}}, {"singular", ""}, {"sigma_deg", {0.001, 0.001, 0.002}}}};
   const Document page =
-      PageOf(Folder("sweep.json", {{"keys", {"plan.lines"}}, {"designs", designs}}).path());
+      MakePage(Folder("sweep.json", {{"keys", {"plan.lines"}}, {"designs", designs}}).path());
   EXPECT_EQ(page.headlines.at(0).answer,
             "2 of them would determine the boresight. The best: cross");
   const Table& table = std::get<Table>(page.sections.at(0).contents.at(1));
@@ -301,7 +301,7 @@ TEST(Page, OfASweepHasTheBestDesignFirst) {
 }
 
 TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {
-  const Document page = PageOf(Folder("match.json", Match(0)).path());
+  const Document page = MakePage(Folder("match.json", Match(0)).path());
   EXPECT_EQ(page.headlines.at(0).word, "no pairs");
   EXPECT_EQ(page.headlines.at(0).tone, Tone::kBad);
   EXPECT_EQ(page.sections.at(0).title, "Stages");
@@ -319,7 +319,7 @@ Json WithStripPairs(const std::vector<std::string>& names) {
 
 void ExpectRefused(const Folder& folder, const std::string& message) {
   try {
-    PageOf(folder.path());
+    MakePage(folder.path());
     FAIL() << "no refusal";
   } catch (const InvalidInput& error) {
     const std::string text = std::string(error.what()) + " (" + error.where().ToString() + ")";
@@ -329,7 +329,7 @@ void ExpectRefused(const Folder& folder, const std::string& message) {
 
 TEST(Page, APairOfStripsIsThereOnce) {
   const Folder good("result.json", WithStripPairs({"1 2", "1 3"}));
-  EXPECT_NO_THROW(PageOf(good.path()));
+  EXPECT_NO_THROW(MakePage(good.path()));
   const Folder twice("result.json", WithStripPairs(std::vector<std::string>(1000, "1 2")));
   ExpectRefused(twice, "strip_pairs has '1 2' twice");
 }

@@ -61,12 +61,12 @@ TEST(Distributions, UniformValuesPassAndOthersFail) {
     even.push_back((k + 0.5) / kValues);
     squared.push_back(even.back() * even.back());
   }
-  EXPECT_GT(UniformityP(even, kOfReference), 0.999);
-  EXPECT_LT(UniformityP(squared, kOfReference), 1e-4);
+  EXPECT_GT(UniformityPValue(even, kOfReference), 0.999);
+  EXPECT_LT(UniformityPValue(squared, kOfReference), 1e-4);
   // Printed tables give p = 0.05 for a largest distance of 0.134 of 100 values.
   std::vector<double> shifted;
   for (const double value : even) shifted.push_back(std::min(1.0, value + 0.129));
-  EXPECT_NEAR(UniformityP(shifted, kOfReference), 0.05, 0.01);
+  EXPECT_NEAR(UniformityPValue(shifted, kOfReference), 0.05, 0.01);
 }
 
 }  // namespace dn::distributions_test

@@ -107,7 +107,7 @@ TEST(Html, ChartsKeepMissingNumbers) {
 }
 
 // One hour at 200 nodes per second, with as many curves as a calibration has.
-TEST(Thinned, AnHourOfFlightStaysSmall) {
+TEST(ThinCurve, AnHourOfFlightStaysSmall) {
   constexpr std::size_t kEpochs = 720000;
   Curve curve{"x", {}, {}, {}, {}};
   for (std::size_t k = 0; k < kEpochs; ++k) {
@@ -118,26 +118,26 @@ TEST(Thinned, AnHourOfFlightStaysSmall) {
     curve.low.push_back(y - 1.0 / 3.0);
     curve.high.push_back(y + 1.0 / 3.0);
   }
-  const Curve thin = Thinned(curve, 1200);
+  const Curve thin = ThinCurve(curve, 1200);
   SeriesChart chart{"biases", "time [s]", "y", {thin, thin, thin}};
   Document document = OneSection(Chart{chart});
   for (int k = 0; k < 4; ++k) document.sections[0].contents.emplace_back(Chart{chart});
   EXPECT_LT(ToHtml(document).size(), kMaxPageBytes);
 }
 
-TEST(Thinned, KeepsPeaksAndEnds) {
+TEST(ThinCurve, KeepsPeaksAndEnds) {
   Curve curve{"x", {}, {}};
   for (int k = 0; k < 10000; ++k) {
     curve.x.push_back(k);
     curve.y.push_back(k == 4321 ? 50.0 : k == 8765 ? -70.0 : 0.0);
   }
-  const Curve thin = Thinned(curve, 200);
+  const Curve thin = ThinCurve(curve, 200);
   EXPECT_LE(thin.x.size(), 200u);
   EXPECT_EQ(thin.x.size(), thin.y.size());
   EXPECT_EQ(*std::max_element(thin.y.begin(), thin.y.end()), 50.0);
   EXPECT_EQ(*std::min_element(thin.y.begin(), thin.y.end()), -70.0);
   EXPECT_TRUE(std::is_sorted(thin.x.begin(), thin.x.end()));
-  EXPECT_EQ(Thinned(thin, 200).x, thin.x);
+  EXPECT_EQ(ThinCurve(thin, 200).x, thin.x);
 }
 
 TEST(Text, HeadlinesAndTables) {

@@ -48,7 +48,7 @@ TEST_P(InertialNoise, IsAsAssumed) {
     EXPECT_NEAR(level->ratio, 1.0, kSigmas * level->sigma);
     EXPECT_NEAR(level->tilt, 0.0, kSigmas * level->tilt_sigma);
   }
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kAssumed);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kAssumed);
 }
 
 TEST_P(InertialNoise, MeasuresAnotherLevel) {
@@ -57,7 +57,7 @@ TEST_P(InertialNoise, MeasuresAnotherLevel) {
           "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
   EXPECT_NEAR(check.level[kGyroTriad]->ratio, 1.1, kSigmas * check.level[kGyroTriad]->sigma);
   EXPECT_NEAR(check.level[kAccelTriad]->ratio, 1.5, kSigmas * check.level[kAccelTriad]->sigma);
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kScale);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kScale);
 }
 
 TEST_P(InertialNoise, FindsAWindow) {
@@ -70,7 +70,7 @@ TEST_P(InertialNoise, FindsAWindow) {
   EXPECT_NEAR(window.sigma[kGyroTriad], 0.1 * kRadPerDegree,
               kSigmas * window.sigma_of_sigma[kGyroTriad]);
   EXPECT_NEAR(window.sigma[kAccelTriad], 0.3, kSigmas * window.sigma_of_sigma[kAccelTriad]);
-  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kWindow);
+  EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kWindow);
 }
 
 INSTANTIATE_TEST_SUITE_P(Presets, InertialNoise, ::testing::Values("airins", "apx15"));

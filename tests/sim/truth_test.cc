@@ -69,7 +69,7 @@ InertialState Derivative(const TruthTrajectory& truth, const InertialState& x, d
   const Quaterniond q_ib(x.q);
   const Quaterniond half_rate(0.0, 0.5 * sensors.w_ib_b.x(), 0.5 * sensors.w_ib_b.y(),
                               0.5 * sensors.w_ib_b.z());
-  return {x.v, q_ib.normalized() * sensors.f_b + q_im * frame.Attraction(p_m),
+  return {x.v, q_ib.normalized() * sensors.f_b + q_im * frame.Gravitation(p_m),
           (q_ib * half_rate).coeffs()};
 }
 

@@ -111,11 +111,11 @@ TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
   }
 }
 
-TEST(RowTest, RefusesProbabilitiesThatAreNone) {
-  EXPECT_NEAR(RowTest{}.NonCentrality(), 4.132148, 1e-6) << "square root of Baarda's 17.07";
-  EXPECT_TRUE(std::isinf(RowTest{}.MinimalDetectable(0.0)));
-  EXPECT_THROW((RowTest{.alpha = 0.0}.NonCentrality()), InvalidConfig);
-  EXPECT_THROW((RowTest{.alpha = 0.001, .power = 1.0}.NonCentrality()), InvalidConfig);
+TEST(OutlierTest, RefusesProbabilitiesThatAreNone) {
+  EXPECT_NEAR(OutlierTest{}.NonCentrality(), 4.132148, 1e-6) << "square root of Baarda's 17.07";
+  EXPECT_TRUE(std::isinf(OutlierTest{}.MinimalDetectableBias(0.0)));
+  EXPECT_THROW((OutlierTest{.alpha = 0.0}.NonCentrality()), InvalidConfig);
+  EXPECT_THROW((OutlierTest{.alpha = 0.001, .power = 1.0}.NonCentrality()), InvalidConfig);
 }
 
 // The sum of squares of n rows after fitting one mean has the exact mean n - 1 and variance 2 (n -
@@ -130,7 +130,7 @@ TEST(ResidualForm, MomentsOfAMean) {
   std::vector<ResidualForm> forms = ChannelForms(marginals.linearized());
   forms[1].label.assign(5, 0);
   forms[1].labels = 1;
-  const std::vector<FormMoments> moments = MomentsOf(marginals, forms);
+  const std::vector<FormMoments> moments = ComputeFormMoments(marginals, forms);
   EXPECT_NEAR(moments[0].mean, 4.0, 1e-12);
   EXPECT_NEAR(moments[0].variance, 8.0, 1e-12);
   EXPECT_NEAR(moments[0].Dof(), 4.0, 1e-12);
@@ -147,7 +147,8 @@ TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
     }
   }
   const Marginals marginals(net);
-  const FormMoments moments = MomentsOf(marginals, ChannelForms(marginals.linearized())).front();
+  const FormMoments moments =
+      ComputeFormMoments(marginals, ChannelForms(marginals.linearized())).front();
   EXPECT_GT(moments.samples, 0);
   EXPECT_NEAR(moments.mean, 250.0, 4.0 * std::sqrt(500.0 / moments.samples));
   EXPECT_LT(moments.Dof(), 2.0 * moments.mean * moments.mean / moments.variance)

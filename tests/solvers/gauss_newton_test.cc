@@ -80,7 +80,7 @@ TEST(GaussNewton, EndsWhereDampedStepsEnd) {
       }
     }
     const SolveReport a = Solve(undamped.network, {.threads = 2});
-    const SolveReport b = Solve(damped.network, {.begin_undamped = false});
+    const SolveReport b = Solve(damped.network, {.start_undamped = false});
     ASSERT_TRUE(a.converged && b.converged) << a.message << "; " << b.message;
     EXPECT_NEAR(a.initial_cost, b.initial_cost, 1e-9 * b.initial_cost);
     EXPECT_NEAR(a.final_cost, b.final_cost, 1e-9 * b.final_cost);

@@ -136,12 +136,14 @@ TEST(LinearizedNetwork, IsASnapshot) {
   triangle.reset();
   EXPECT_EQ(copy.Value(x0), Eigen::Vector3d(0.0, 0.0, 0.5));
   EXPECT_EQ(second.Value(x0), Eigen::Vector3d(7.0, 7.0, 7.0));
-  EXPECT_FALSE(copy.RowsOf(idle));
-  ASSERT_TRUE(second.RowsOf(idle));
+  EXPECT_FALSE(copy.FindRows(idle));
+  ASSERT_TRUE(second.FindRows(idle));
   // 2 (x1 - x0 - 9) with the values stored in each snapshot
-  EXPECT_LT((copy.FactorAt(idle).residual - Eigen::Vector3d(-16.0, -20.0, -18.0)).norm(), 1e-14);
-  EXPECT_LT((second.FactorAt(idle).residual - Eigen::Vector3d(-30.0, -34.0, -31.0)).norm(), 1e-14);
-  EXPECT_EQ(copy.FactorAt(idle).weight, 0.0);
+  EXPECT_LT((copy.EvaluateFactorAt(idle).residual - Eigen::Vector3d(-16.0, -20.0, -18.0)).norm(),
+            1e-14);
+  EXPECT_LT((second.EvaluateFactorAt(idle).residual - Eigen::Vector3d(-30.0, -34.0, -31.0)).norm(),
+            1e-14);
+  EXPECT_EQ(copy.EvaluateFactorAt(idle).weight, 0.0);
 }
 
 TEST(LinearizedNetwork, AFactorByItselfIsWithoutItsRobustWeight) {
@@ -150,7 +152,7 @@ TEST(LinearizedNetwork, AFactorByItselfIsWithoutItsRobustWeight) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
   ASSERT_TRUE(triangle.net.EvaluateFactor(triangle.robust, &r, &J));
-  const LinearizedNetwork::Factor factor = linearized.FactorAt(triangle.robust);
+  const LinearizedNetwork::Factor factor = linearized.EvaluateFactorAt(triangle.robust);
   EXPECT_LT((factor.residual - r).norm(), 1e-14);
   ASSERT_EQ(factor.jacobian.size(), 2U);
   EXPECT_EQ(factor.jacobian[1].first, triangle.x[1].id);
@@ -181,7 +183,7 @@ struct Stated {
     const LinearizedNetwork linearized(net);
     Eigen::VectorXd scale = Eigen::VectorXd::Ones(linearized.rows());
     for (const FactorId id : scaled) {
-      const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
+      const LinearizedNetwork::FactorRows rows = *linearized.FindRows(id);
       scale.segment(rows.first, rows.count).setConstant(1.0 / ratio);
     }
     return linearized.Scaled(scale);
@@ -242,7 +244,7 @@ TEST(ScaledNetwork, EffectsHaveTheRobustWeightAsWell) {
   for (Eigen::Index row = 0; row < scale.size(); ++row) scale[row] = 0.4 + 0.3 * (row % 4);
   EffectModel as_unknown;
   for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
-    for (const auto& [block, J] : linearized.FactorAt(rows.factor).jacobian) {
+    for (const auto& [block, J] : linearized.EvaluateFactorAt(rows.factor).jacobian) {
       if (block == triangle.x[1].id) as_unknown.push_back({rows.factor, J});
     }
   }

@@ -85,7 +85,7 @@ void ExpectJointBlocksAgree(const Network& network, const DenseCovariance& dense
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     if (!network.factor(id).active) continue;
     const std::vector<BlockId>& blocks = network.factor(id).blocks;
-    const auto joint = selected.PatternOf(blocks);
+    const auto joint = selected.JointSelectedCovariance(blocks);
     ASSERT_TRUE(joint);
     Eigen::Index row = 0;
     for (const BlockId a : blocks) {
@@ -102,7 +102,7 @@ void ExpectJointBlocksAgree(const Network& network, const DenseCovariance& dense
   }
   std::vector<BlockId> all;
   for (BlockId b = 0; b < network.num_blocks(); ++b) all.push_back(b);
-  EXPECT_FALSE(selected.PatternOf(all));
+  EXPECT_FALSE(selected.JointSelectedCovariance(all));
 }
 
 /// Checks columns, selected inverse and pairs of blocks against the dense inverse.
@@ -124,7 +124,7 @@ void ExpectAllBlocksAgree(const Network& network) {
     for (BlockId b = 0; b < a; ++b) {
       EXPECT_LT(dense.Difference(columns.Covariance(a, b), a, b), kTolerance);
       EXPECT_LT(dense.Difference(selected.Covariance(b, a), b, a), kTolerance);
-      const auto block = selected.PatternBlock(a, b);
+      const auto block = selected.SelectedCovariance(a, b);
       if (block) {
         EXPECT_LT(dense.Difference(*block, a, b), kTolerance);
       } else {
@@ -137,7 +137,7 @@ void ExpectAllBlocksAgree(const Network& network) {
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     for (const BlockId a : network.factor(id).blocks) {
       for (const BlockId b : network.factor(id).blocks) {
-        EXPECT_TRUE(!network.factor(id).active || selected.PatternBlock(a, b).has_value());
+        EXPECT_TRUE(!network.factor(id).active || selected.SelectedCovariance(a, b).has_value());
       }
     }
   }
@@ -302,7 +302,7 @@ TEST(Marginals, RejectsWhatItCannotAnswer) {
   EXPECT_THROW(marginals.Covariance(-1), InvalidInput);
   EXPECT_THROW(marginals.Covariance(graph.network.num_blocks()), InvalidInput);
   EXPECT_THROW(marginals.DiagonalBlock(graph.q_bs.id), InvalidInput);
-  EXPECT_THROW((void)marginals.PatternBlock(0, 1), InvalidInput);
+  EXPECT_THROW((void)marginals.SelectedCovariance(0, 1), InvalidInput);
   EXPECT_THROW(Marginals(graph.network, {.threads = 0}), InvalidConfig);
   EXPECT_THROW(Marginals(graph.network, {.null_tolerance = 0.0}), InvalidConfig);
 }

@@ -51,7 +51,7 @@ struct Chain {
   Eigen::VectorXd PositionShare(const LinearizedNetwork& linearized) const {
     Eigen::VectorXd share = Eigen::VectorXd::Zero(linearized.rows());
     for (const FactorId id : positions) {
-      const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
+      const LinearizedNetwork::FactorRows rows = *linearized.FindRows(id);
       share.segment(rows.first, rows.count).setOnes();
     }
     return share;

@@ -93,7 +93,7 @@ TEST(Scale, TwentyThousandUnknowns) {
   EXPECT_LT((marginals.DiagonalBlock(b.id) - C_bb).norm(), kTolerance * C_bb.norm());
   const Eigen::MatrixXd C_xx = columns.Rows(x[777].id).rightCols<10>();
   EXPECT_LT((marginals.DiagonalBlock(x[777].id) - C_xx).norm(), kTolerance * C_xx.norm());
-  const auto C_next = marginals.PatternBlock(x[778].id, x[777].id);
+  const auto C_next = marginals.SelectedCovariance(x[778].id, x[777].id);
   ASSERT_TRUE(C_next.has_value());
   EXPECT_LT((*C_next - columns.Rows(x[778].id).rightCols<10>()).norm(), kTolerance * C_xx.norm());
 }

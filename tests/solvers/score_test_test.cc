@@ -149,7 +149,7 @@ TEST(JointScore, TogetherIsTheEffectAsAWhole) {
   chain.SolveCost();
   const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {});
   const ScoreTest whole = chain.Test();
-  const ScoreTest together = TestTogether(score, {0, 1, 2});
+  const ScoreTest together = TestJointly(score, {0, 1, 2});
   EXPECT_NEAR(together.statistic, whole.statistic, 1e-9);
   EXPECT_LT((together.estimate - whole.estimate).norm(), 1e-9);
   EXPECT_EQ(score.Components(1), (std::vector<Eigen::Index>{1, 2}));
@@ -161,15 +161,15 @@ TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
   const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
-  const JointScore given = GivenComponents(score, {0, 1, 2});
+  const JointScore given = ConditionOnComponents(score, {0, 1, 2});
   chain.net.Hold(chain.offset, false);
   chain.SolveCost();
   const JointScore beside = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
-  const ScoreTest a = TestTogether(given, {3}), b = TestTogether(beside, {3});
+  const ScoreTest a = TestJointly(given, {3}), b = TestJointly(beside, {3});
   EXPECT_NEAR(a.statistic, b.statistic, 1e-6);
   EXPECT_NEAR(a.estimate[0], b.estimate[0], 1e-7);
   EXPECT_LT((given.shift.col(3) - beside.shift.col(3)).norm(), 1e-9);
-  EXPECT_EQ(TestTogether(given, {0}).dof, 0) << "the component is already among the unknowns";
+  EXPECT_EQ(TestJointly(given, {0}).dof, 0) << "the component is already among the unknowns";
 }
 
 // The shift predicts how far the unknowns move once the effect is estimated.
@@ -178,7 +178,7 @@ TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
   const JointScore score = ScoreEffects(Marginals(chain.net), {chain.Offset()}, {x25.id});
-  const ScoreTest test = TestTogether(score, {0, 1, 2});
+  const ScoreTest test = TestJointly(score, {0, 1, 2});
   const Eigen::Vector3d without = chain.net.Value(x25);
   chain.net.Hold(chain.offset, false);
   chain.SolveCost();
@@ -210,7 +210,7 @@ TEST(ScoreTest, SaysNothingOfAnEffectWithoutAnActiveFactor) {
   EXPECT_EQ(TestEffects(marginals, {effect}).front().dof, 0);
   const BlockId x25 = chain.net.Find("x/25");
   const JointScore score = ScoreEffects(marginals, {effect}, {x25});
-  EXPECT_EQ(TestTogether(score, {0, 1, 2}).dof, 0);
+  EXPECT_EQ(TestJointly(score, {0, 1, 2}).dof, 0);
   EXPECT_EQ(score.shift, Eigen::MatrixXd::Zero(3, 3));
 }
 

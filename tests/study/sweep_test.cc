@@ -95,8 +95,8 @@ TEST(Sweep, WhatIsFreeMustBeAnUnknown) {
 TEST(Sweep, ARowHasTheStudyOfItsDesign) {
   const SmallSweep small;
   const Sweep sweep = small.Parse("  pairs.count: [200, 400]\n");
-  const SweepRecord few = StudyOfSweep(sweep, 1, {});
-  const SweepRecord many = StudyOfSweep(sweep, 2, {});
+  const SweepRecord few = StudySweepDesign(sweep, 1, {});
+  const SweepRecord many = StudySweepDesign(sweep, 2, {});
   ASSERT_EQ(few.failure, "");
   ASSERT_EQ(many.failure, "");
   for (int i = 0; i < 3; ++i) EXPECT_LT(many.sigma_rad[i], few.sigma_rad[i]) << i;
@@ -111,7 +111,7 @@ TEST(Sweep, ARowHasTheStudyOfItsDesign) {
 TEST(Sweep, ASingularDesignHasAReasonAndNoNumbers) {
   const SmallSweep small;
   const Sweep sweep = small.Parse("  plan.lines: {one: [[-600, 0, 600, 0, 200, 45]]}\n");
-  const SweepRecord record = StudyOfSweep(sweep, 1, {});
+  const SweepRecord record = StudySweepDesign(sweep, 1, {});
   EXPECT_THAT(record.failure, HasSubstr("not observable"));
   const std::string csv = SweepCsv({"plan.lines"}, {record});
   EXPECT_THAT(csv, HasSubstr("\n1,one,,,,,,,,,,,\"the boresight is not observable"));

@@ -11,7 +11,7 @@ namespace dn::testing {
 /// Runs `action`, expects InvalidInput with a message that contains `what`, and returns its
 /// location.
 template <class Action>
-FileLocation PlaceOfInvalid(const Action& action, const std::string& what) {
+FileLocation InvalidInputLocation(const Action& action, const std::string& what) {
   try {
     action();
   } catch (const InvalidInput& e) {
@@ -25,13 +25,13 @@ FileLocation PlaceOfInvalid(const Action& action, const std::string& what) {
 /// Expects InvalidInput located on `line` (0: no line).
 template <class Action>
 void ExpectInvalid(const Action& action, const std::string& what, long line) {
-  EXPECT_EQ(PlaceOfInvalid(action, what).line, line) << what;
+  EXPECT_EQ(InvalidInputLocation(action, what).line, line) << what;
 }
 
 /// Expects InvalidInput located in a file whose path contains `file`.
 template <class Action>
 void ExpectInvalidIn(const Action& action, const std::string& what, const std::string& file) {
-  EXPECT_THAT(PlaceOfInvalid(action, what).file, ::testing::HasSubstr(file)) << what;
+  EXPECT_THAT(InvalidInputLocation(action, what).file, ::testing::HasSubstr(file)) << what;
 }
 
 }  // namespace dn::testing

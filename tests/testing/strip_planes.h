@@ -47,7 +47,7 @@ inline PlaneProblem MakeStripPlanes(const StripPlaneOptions& options = {}) {
                             0.5 * options.flight.relief_m * uniform(rng));
     const double aspect = options.one_aspect ? 0.0 : 3.14159265358979 * uniform(rng);
     const Eigen::Vector3d n = SlopingNormal(options.steepest_rad * std::abs(uniform(rng)), aspect);
-    SeenPlane plane;
+    ObservedPlane plane;
     plane.sigma_m = options.sigma_m;
     int strips = 0;
     for (std::size_t s = 0; s < lines.size(); ++s) {
@@ -70,7 +70,7 @@ inline PlaneProblem MakeStripPlanes(const StripPlaneOptions& options = {}) {
 inline void Disturb(PlaneProblem* problem,
                     const std::function<PoseError(const GaussHelmertEnd&)>& trajectory,
                     std::mt19937& rng) {
-  for (SeenPlane& plane : problem->planes) {
+  for (ObservedPlane& plane : problem->planes) {
     for (PlanePoint& point : plane.points) {
       GaussHelmertEnd& end = point.end;
       end.u_b += NormalVector(rng, Eigen::Vector3d::Constant(plane.sigma_m));

@@ -17,7 +17,7 @@ Table Shares(const std::string& title) {
   return {title, {"", "flights", "of", "[%]", "95 % from", "to"}, {}};
 }
 
-Bar BarOf(const std::string& label, const std::string& group, const Facts& share) {
+Bar ShareBar(const std::string& label, const std::string& group, const Facts& share) {
   const bool any = share["of"].number() > 0.0;
   return {label, group, any ? 100.0 * share["share"].number() : kNone,
           any ? 100.0 * share["interval_95"][0].number() : kNone,
@@ -62,7 +62,7 @@ Section Power(const Facts& score) {
     for (const auto& [key, name] : {std::pair("detected", "detected"),
                                     {"named", "named"},
                                     {"named_with_group", "named, or one of its group"}}) {
-      chart.bars.push_back(BarOf(label, name, sizes[k][key]));
+      chart.bars.push_back(ShareBar(label, name, sizes[k][key]));
     }
   }
   if (table.rows.empty()) return section;

@@ -19,7 +19,7 @@ struct Calibrated {
 std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder);
 
 /// Returns the headline of a boresight. `with_name` adds the method, for folders with several.
-Headline HeadlineOf(const Calibrated& calibrated, bool with_name);
+Headline CalibrationHeadline(const Calibrated& calibrated, bool with_name);
 
 /// Returns the difference of each two boresights, its sigma and its significance.
 Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named);

@@ -12,7 +12,7 @@ namespace dn::internal {
 namespace {
 
 /// Returns what each verdict means for a user of the angles.
-const std::map<std::string, Meaning>& MeaningsOfVerdict() {
+const std::map<std::string, Meaning>& VerdictMeanings() {
   static const std::map<std::string, Meaning> meanings{
       {"calibrated",
        {"You may rely on these angles within their sigmas: they are those of the mounting.",
@@ -112,7 +112,7 @@ std::string MethodName(const Facts& result) {
 /// Makes the section of swath separations before and after, for each method. With several methods,
 /// `before` is that of the first one on a given trajectory: the assumed mounting on the user's
 /// trajectory.
-Section SeparationOf(const std::vector<Calibrated>& all) {
+Section SeparationByMethod(const std::vector<Calibrated>& all) {
   const auto given = std::find_if(all.begin(), all.end(), [](const Calibrated& one) {
     return one.result["method"].text() == "gh" && one.result["strip_pairs"];
   });
@@ -159,14 +159,14 @@ std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder) {
   return found;
 }
 
-Headline HeadlineOf(const Calibrated& calibrated, bool with_name) {
+Headline CalibrationHeadline(const Calibrated& calibrated, bool with_name) {
   const Facts assessment = calibrated.result["assessment"];
   const std::string verdict = assessment["verdict"].text();
   Headline headline;
   headline.word = verdict + (with_name ? " (" + MethodName(calibrated.result) + ")" : "");
   headline.reasons = FirstReasons(assessment);
   headline.figures = {Angles(calibrated.result["boresight"])};
-  Explain(MeaningsOfVerdict(), verdict, &headline);
+  Explain(VerdictMeanings(), verdict, &headline);
   return headline;
 }
 
@@ -176,11 +176,11 @@ Document CalibrationPage(const ResultFolder& folder) {
   const bool several = all.size() > 1;
   std::vector<std::pair<std::string, Facts>> named;
   for (const Calibrated& one : all) {
-    document.headlines.push_back(HeadlineOf(one, several));
+    document.headlines.push_back(CalibrationHeadline(one, several));
     named.emplace_back(MethodName(one.result), one.result);
   }
   if (several) Append({"Do the methods agree?", {DifferenceTable(named)}}, &document);
-  Append(SeparationOf(all), &document);
+  Append(SeparationByMethod(all), &document);
   for (const Calibrated& one : all) AppendAll(folder, one, several, &document);
   Append(TrajectorySection(folder), &document);
   Append(BiasSection(folder), &document);

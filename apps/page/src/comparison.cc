@@ -23,7 +23,7 @@ BoresightResult ResultOf(const Facts& result) {
 }
 
 /// Returns whether a is the Gauss-Helmert result of the flight that the network of b has adjusted.
-bool OfOneFlight(const Facts& a, const Facts& b) {
+bool AreOneFlight(const Facts& a, const Facts& b) {
   return a["method"].text() == "gh" && b["method"].text() == "dn" &&
          a["flight"].text() == b["flight"].text();
 }
@@ -34,8 +34,8 @@ struct Difference {
 };
 
 Difference Between(const Facts& a, const Facts& b) {
-  if (OfOneFlight(a, b)) return {Compare(ResultOf(a), ResultOf(b)), "of nested data"};
-  if (OfOneFlight(b, a)) {
+  if (AreOneFlight(a, b)) return {Compare(ResultOf(a), ResultOf(b)), "of nested data"};
+  if (AreOneFlight(b, a)) {
     Difference difference{Compare(ResultOf(b), ResultOf(a)), "of nested data"};
     difference.values.difference_rad = -difference.values.difference_rad;
     return difference;
@@ -90,7 +90,7 @@ Document ComparisonPage(const std::vector<std::filesystem::path>& folders) {
           path.string() + (all.size() > 1 ? " (" + one.result["method"].text() + ")" : "");
       named.emplace_back(name, one.result);
     }
-    for (Headline& headline : PageOf(path).headlines) {
+    for (Headline& headline : MakePage(path).headlines) {
       headline.word = path.string() + ": " + headline.word;
       headline.next.clear();
       document.headlines.push_back(std::move(headline));

@@ -7,7 +7,7 @@ namespace dn::internal {
 namespace {
 
 /// Returns the detectable size of each component alone; "any" if it is undetectable at any size.
-std::string SeenAlone(const Facts& effect) {
+std::string DetectableSizes(const Facts& effect) {
   std::vector<std::string> each;
   for (const Facts& size : effect["detectable_by_component"].elements()) {
     each.push_back(size ? fmt::format("{:.2g}", size.number()) : "any");
@@ -17,7 +17,7 @@ std::string SeenAlone(const Facts& effect) {
 
 }  // namespace
 
-Section CouldHideSection(const Facts& effects) {
+Section UndetectableSection(const Facts& effects) {
   Section section{"Undetectable effects", {}};
   Table table{
       "",
@@ -28,10 +28,10 @@ Section CouldHideSection(const Facts& effects) {
       "the stated angles. This size is that of the best-determined direction. A single "
       "component may have to be larger."};
   for (const Facts& effect : effects.elements()) {
-    std::vector<Cell> row{Text(effect["effect"].text()),
-                          effect["minimal_detectable"].Significant(2), Text(SeenAlone(effect)),
-                          effect["minimal_identifiable"].Significant(2),
-                          Text(effect["unit"].text())};
+    std::vector<Cell> row{
+        Text(effect["effect"].text()), effect["minimal_detectable"].Significant(2),
+        Text(DetectableSizes(effect)), effect["minimal_identifiable"].Significant(2),
+        Text(effect["unit"].text())};
     for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) row.push_back(cell);
     table.rows.push_back(std::move(row));
   }

@@ -10,12 +10,12 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kMostCauses = 15;
-constexpr std::size_t kMostStatistics = 30;
+constexpr std::size_t kMaxCauses = 15;
+constexpr std::size_t kMaxStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 
 // The meanings agree with docs/guides/gap.md.
-const std::map<std::string, Meaning>& MeaningsOfGap() {
+const std::map<std::string, Meaning>& GapMeanings() {
   static const std::map<std::string, Meaning> meanings{
       {"identified",
        {"The data differ from the model, and the named effects explain it.",
@@ -57,7 +57,7 @@ Headline GapHeadline(const Facts& gap) {
   headline.word = kind == "no_gap" ? "no gap" : kind;
   headline.reasons = {verdict["text"].text()};
   if (verdict["tie_breaker"]) headline.reasons.push_back(verdict["tie_breaker"].text());
-  Explain(MeaningsOfGap(), kind, &headline);
+  Explain(GapMeanings(), kind, &headline);
   const Facts size = gap["gap"]["size_nats_per_obs"];
   const Facts units = gap["gap"]["user_units"];
   Table figures{"The gap", {"", ""}, {}};
@@ -93,7 +93,7 @@ Section Causes(const Facts& gap) {
       "not show in residuals."};
   for (const Facts& cause : gap["causes"].elements()) {
     const std::string name = cause["effect"].text();
-    if (chart.bars.size() < kMostCauses) {
+    if (chart.bars.size() < kMaxCauses) {
       chart.bars.push_back({fmt::format("{} ({:.2f})", name, cause["posterior"].number()), "",
                             cause["log_evidence"].number(), kNone, kNone});
     }
@@ -171,7 +171,7 @@ Section Fingerprint(const Facts& gap) {
   std::stable_sort(all.begin(), all.end(), [](const Facts& a, const Facts& b) {
     return std::abs(Deviation(a)) > std::abs(Deviation(b));
   });
-  if (all.size() > kMostStatistics) all.resize(kMostStatistics);
+  if (all.size() > kMaxStatistics) all.resize(kMaxStatistics);
   if (all.empty()) return section;
   BarChart chart{"Statistics of the flight, with 95 % intervals of replicates",
                  "difference from the mean of the model [its sigmas]",
@@ -210,7 +210,7 @@ Document GapPage(const ResultFolder& folder) {
   const Facts gap = folder.Read("gap.json");
   Document document = Begin(folder, gap["flight"].text(), "do the data agree with the model?");
   document.headlines = {GapHeadline(gap)};
-  for (Section section : {Closed(gap), Causes(gap), CouldHideSection(gap["could_still_hide"]),
+  for (Section section : {Closed(gap), Causes(gap), UndetectableSection(gap["could_still_hide"]),
                           Where(gap), TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
     Append(std::move(section), &document);
   }

@@ -18,7 +18,7 @@ enum MatchColumn : std::size_t {
 };
 constexpr std::size_t kMostMatchDots = 800;  // per cloud
 
-struct PairsOfStrips {
+struct CountStripPairs {
   std::string strips;  ///< "1-2"
   TextTable pairs;
 };
@@ -27,8 +27,8 @@ std::string StripsOf(const Facts& of) {
   return of["strips"][0].text() + "-" + of["strips"][1].text();
 }
 
-std::vector<PairsOfStrips> ReadPairs(const ResultFolder& folder, const Facts& match) {
-  std::vector<PairsOfStrips> all;
+std::vector<CountStripPairs> ReadPairs(const ResultFolder& folder, const Facts& match) {
+  std::vector<CountStripPairs> all;
   for (const Facts& of : match["strip_pairs"].elements()) {
     const std::string a = of["strips"][0].text(), b = of["strips"][1].text();
     auto pairs = folder.Numbers(fmt::format("matches/{}_{}.txt", a, b), kMatchColumns);
@@ -37,7 +37,7 @@ std::vector<PairsOfStrips> ReadPairs(const ResultFolder& folder, const Facts& ma
   return all;
 }
 
-Headline HeadlineOfMatch(const Facts& match) {
+Headline MatchHeadline(const Facts& match) {
   Headline headline;
   const double pairs = match["counts"]["pairs"].number();
   headline.word = pairs > 0.0 ? "matched" : "no pairs";
@@ -105,7 +105,7 @@ Table MisalignmentTable(const Facts& match) {
   return table;
 }
 
-Section SeparationOfMatch(const Facts& match) {
+Section MatchSeparation(const Facts& match) {
   std::vector<Separation> separations;
   const auto add = [&](const std::string& strips, const Facts& misalignment) {
     separations.push_back({strips, "before", misalignment["before"]["separation"]});
@@ -119,7 +119,7 @@ Section SeparationOfMatch(const Facts& match) {
   return SeparationSection(separations);
 }
 
-Curve CloudOf(const std::string& label, const TextTable& pairs, std::size_t column) {
+Curve MakeCloud(const std::string& label, const TextTable& pairs, std::size_t column) {
   Curve cloud{label, {}, {}};
   const std::size_t step = pairs.rows() / kMostMatchDots + 1;
   for (std::size_t k = 0; k < pairs.rows(); k += step) {
@@ -139,19 +139,19 @@ void Place(const TextTable& pairs, PlacedPairs* placed) {
   }
 }
 
-void AddPictures(const ResultFolder& folder, const std::vector<PairsOfStrips>& all,
+void AddPictures(const ResultFolder& folder, const std::vector<CountStripPairs>& all,
                  Section* section) {
   PlacedPairs placed;
   ScatterChart before{"Differences before, seen from above", "east [m]", "north [m]", {}};
   ScatterChart after{"Differences after", "east [m]", "north [m]", {}};
-  for (const PairsOfStrips& of : all) {
+  for (const CountStripPairs& of : all) {
     if (of.pairs.rows() == 0) continue;
     Place(of.pairs, &placed);
-    before.clouds.push_back(CloudOf(of.strips, of.pairs, kApartBefore));
-    after.clouds.push_back(CloudOf(of.strips, of.pairs, kApartAfter));
+    before.clouds.push_back(MakeCloud(of.strips, of.pairs, kApartBefore));
+    after.clouds.push_back(MakeCloud(of.strips, of.pairs, kApartAfter));
   }
   if (before.clouds.empty()) return;
-  for (MapChart& map : MapsOf(folder, placed)) {
+  for (MapChart& map : PairMaps(folder, placed)) {
     section->contents.emplace_back(Chart{std::move(map)});
   }
   section->contents.emplace_back(Chart{std::move(before)});
@@ -179,14 +179,14 @@ Document MatchPage(const ResultFolder& folder) {
   const Facts match = folder.Read("match.json");
   const std::string flight = match["flight"].text();
   Document document = Begin(folder, flight.empty() ? "strips" : flight, "point pairs from strips");
-  document.headlines = {HeadlineOfMatch(match)};
+  document.headlines = {MatchHeadline(match)};
   Section apart{"Strip against strip", {}};
   if (match["misalignment"]) {
     apart.contents.emplace_back(MisalignmentTable(match));
     AddPictures(folder, ReadPairs(folder, match), &apart);
   }
   Append(std::move(apart), &document);
-  Append(SeparationOfMatch(match), &document);
+  Append(MatchSeparation(match), &document);
   Append({"Stages", {StagesTable(match), LevelsTable(match)}}, &document);
   return document;
 }

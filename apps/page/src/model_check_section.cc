@@ -13,7 +13,7 @@ namespace {
 // Significance level of a family of tests, as in the model check.
 constexpr double kSignificantMisfit = 0.001;
 
-Tone ToneOf(const Facts& p_value) {
+Tone PValueTone(const Facts& p_value) {
   return p_value.number() < kSignificantMisfit ? Tone::kDoubtful : Tone::kPlain;
 }
 
@@ -33,7 +33,7 @@ Table Groups(const Facts& check) {
     const Facts worst = group["worst"];
     table.rows.push_back({Text(group["name"].text()), group["observations"].Count(),
                           group["redundancy"].Decimals(1), group["variance_ratio"].Significant(4),
-                          Toned(group["p_value"].Significant(2), ToneOf(group["p_value"])),
+                          Toned(group["p_value"].Significant(2), PValueTone(group["p_value"])),
                           worst["standardised"].Decimals(2), worst["t_s"].Decimals(2)});
   }
   return table;
@@ -65,7 +65,7 @@ Table Departures(const Facts& check) {
     table.rows.push_back(
         {Text(departure["name"].text()), departure["statistic"].Decimals(1),
          departure["dof"].Count(),
-         Toned(departure["p_value"].Significant(2), ToneOf(departure["p_value"]))});
+         Toned(departure["p_value"].Significant(2), PValueTone(departure["p_value"]))});
   }
   return table;
 }
@@ -121,11 +121,11 @@ std::string SizeOf(const Facts& effect) {
 }
 
 std::vector<std::string> FirstReasons(const Facts& assessment) {
-  constexpr std::size_t kMostTold = 5;
+  constexpr std::size_t kMaxPrinted = 5;
   std::vector<std::string> reasons = assessment["reasons"].texts();
-  if (reasons.size() <= kMostTold) return reasons;
-  const std::size_t more = reasons.size() - kMostTold;
-  reasons.resize(kMostTold);
+  if (reasons.size() <= kMaxPrinted) return reasons;
+  const std::size_t more = reasons.size() - kMaxPrinted;
+  reasons.resize(kMaxPrinted);
   reasons.push_back(fmt::format("and {} more, below", more));
   return reasons;
 }

@@ -63,7 +63,7 @@ Section Boresight(const ResultFolder& folder, const Facts& summary) {
   return section;
 }
 
-Curve NeesOf(const TextTable& nees, std::size_t number) {
+Curve NeesCurve(const TextTable& nees, std::size_t number) {
   Curve curve{"NEES / 3", {}, {}};
   for (std::size_t k = 0; k < nees.rows(); ++k) {
     const double* row = nees.row(k);
@@ -95,7 +95,7 @@ Section Trajectory(const ResultFolder& folder, const Facts& summary) {
   if (!nees) return section;
   const Facts band = quantities.front()["epoch_band_99"];
   for (std::size_t k = 0; k < quantities.size(); ++k) {
-    Curve curve = NeesOf(*nees, k + 1);
+    Curve curve = NeesCurve(*nees, k + 1);
     if (curve.x.empty()) continue;
     Curve bounds{"band of 99 %", {curve.x.front(), curve.x.back()}, {1.0, 1.0}};
     bounds.low.assign(2, band[0].number());

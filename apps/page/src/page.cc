@@ -52,7 +52,7 @@ Document PageWithoutRun(const ResultFolder& folder) {
 }  // namespace
 }  // namespace internal
 
-Document PageOf(const std::filesystem::path& folder) {
+Document MakePage(const std::filesystem::path& folder) {
   const internal::ResultFolder result(folder);
   Document document = internal::PageWithoutRun(result);
   for (Section& section : internal::RunSections(result)) {
@@ -61,8 +61,8 @@ Document PageOf(const std::filesystem::path& folder) {
   return document;
 }
 
-Document PageOf(const std::vector<std::filesystem::path>& folders) {
-  if (folders.size() == 1) return PageOf(folders.front());
+Document MakePage(const std::vector<std::filesystem::path>& folders) {
+  if (folders.size() == 1) return MakePage(folders.front());
   return internal::ComparisonPage(folders);
 }
 

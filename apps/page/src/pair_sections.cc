@@ -154,7 +154,7 @@ Section PairSection(const ResultFolder& folder, const Facts& result, const std::
   if (!pairs) return section;
   const std::vector<double> t_s = Column(*pairs, kTime);
   const double start_s = *std::min_element(t_s.begin(), t_s.end());
-  for (MapChart& map : MapsOf(folder, Placed(*pairs))) {
+  for (MapChart& map : PairMaps(folder, Placed(*pairs))) {
     section.contents.emplace_back(Chart{std::move(map)});
   }
   section.contents.emplace_back(Paragraph{

@@ -86,7 +86,7 @@ std::vector<double> Column(const TextTable& table, std::size_t column, double mi
   return values;
 }
 
-Curve OnScreen(const Curve& curve) { return Thinned(curve, kMostPoints); }
+Curve OnScreen(const Curve& curve) { return ThinCurve(curve, kMostPoints); }
 
 void Append(Section section, Document* document) {
   if (!section.contents.empty()) document->sections.push_back(std::move(section));

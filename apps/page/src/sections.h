@@ -64,7 +64,7 @@ Section ModelCheckSection(const Facts& result);
 
 /// Returns the detection limits of `could_still_hide`: the sizes from which each effect is
 /// detectable and identifiable, and the shift of the boresight.
-Section CouldHideSection(const Facts& effects);
+Section UndetectableSection(const Facts& effects);
 
 /// Returns the innovations and residuals per sensor and axis.
 Section StatisticsSection(const Facts& innovations, const Facts& residuals);

@@ -93,7 +93,7 @@ Document StudyPage(const ResultFolder& folder) {
   Append(std::move(boresight), &document);
   Append(BiasCorrelationSection(study["correlations"]), &document);
   Append(CorrelationsOverTime(folder), &document);
-  Append(CouldHideSection(study["could_still_hide"]), &document);
+  Append(UndetectableSection(study["could_still_hide"]), &document);
   Append(TrajectorySection(folder), &document);
   Append(Strips(study), &document);
   return document;

@@ -7,7 +7,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kMostPlaces = 1800;
+constexpr std::size_t kMaxPlaces = 1800;
 constexpr double kOfAll = 0.98;  // share of the pairs inside the scale of colours
 
 double QuantileOf(std::vector<double> values, double share) {
@@ -18,7 +18,7 @@ double QuantileOf(std::vector<double> values, double share) {
 }
 
 void AddDots(const PlacedPairs& pairs, const std::vector<double>& apart_m, MapChart* map) {
-  const std::size_t step = pairs.east_m.size() / kMostPlaces + 1;
+  const std::size_t step = pairs.east_m.size() / kMaxPlaces + 1;
   for (std::size_t k = 0; k < pairs.east_m.size(); k += step) {
     map->valued.x.push_back(pairs.east_m[k]);
     map->valued.y.push_back(pairs.north_m[k]);
@@ -47,7 +47,7 @@ void PlacedPairs::Add(double east, double north, double before, double after) {
   after_m.push_back(after);
 }
 
-std::vector<MapChart> MapsOf(const ResultFolder& folder, const PlacedPairs& pairs) {
+std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pairs) {
   if (pairs.east_m.empty()) return {};
   std::vector<MapChart> maps;
   const double low_m = QuantileOf(pairs.after_m, 1.0 - kOfAll);

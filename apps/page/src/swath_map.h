@@ -23,6 +23,6 @@ struct PlacedPairs {
 
 /// Returns two maps of the pairs over the strips with the same colours, before and after; none
 /// without pairs.
-std::vector<MapChart> MapsOf(const ResultFolder& folder, const PlacedPairs& pairs);
+std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pairs);
 
 }  // namespace dn::internal

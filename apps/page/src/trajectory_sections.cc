@@ -19,7 +19,7 @@ std::vector<MapPose> PathOf(const ResultFolder& folder, const FlightConfig& conf
   if (!folder.Has("trajectory.out") || !config.origin) return {};
   const LocalFrame frame(*config.origin);
   std::vector<MapPose> path;
-  for (const NavPoint& point : ReadSbetPath(folder.PathOf("trajectory.out"), kMapSpacingS)) {
+  for (const NavPoint& point : ReadSbetThinned(folder.PathOf("trajectory.out"), kMapSpacingS)) {
     path.push_back(ToMapPose(point, frame));
   }
   return path;

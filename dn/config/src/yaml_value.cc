@@ -122,7 +122,7 @@ void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
   }
 }
 
-void YamlValue::ExpectMapOrNothing(const std::vector<std::string>& known) const {
+void YamlValue::ExpectMapOrAbsent(const std::vector<std::string>& known) const {
   if (!absent()) ExpectMap(known);
 }
 

@@ -6,12 +6,12 @@ bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*
                        Eigen::VectorXd* r, std::vector<Eigen::MatrixXd>* J) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const std::vector<BlockKind>& kinds = factor.block_kinds();
-  r->setConstant(factor.residual_size(), Unwritten());
+  r->setConstant(factor.residual_size(), UnwrittenNan());
   if (J == nullptr) return factor.Evaluate(x.data(), r->data(), nullptr);
   std::vector<RowMajor> stored;
   std::vector<double*> stored_data;
   for (const BlockKind& kind : kinds) {
-    stored.push_back(RowMajor::Constant(factor.residual_size(), kind.stored_size, Unwritten()));
+    stored.push_back(RowMajor::Constant(factor.residual_size(), kind.stored_size, UnwrittenNan()));
   }
   for (RowMajor& matrix : stored) stored_data.push_back(matrix.data());
   if (!factor.Evaluate(x.data(), r->data(), stored_data.data())) return false;

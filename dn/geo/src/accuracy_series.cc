@@ -52,13 +52,13 @@ std::vector<EpochAccuracy> ReadText(const fs::path& file) {
 std::vector<EpochAccuracy> ReadSmrmsg(const fs::path& file) {
   const FileLocation where{file.string(), 0, 0};
   auto records = internal::DecodeRecords(ReadWholeFile(file), kSmrmsg, where);
-  internal::SettleTimes(kSmrmsg, where, &records);
+  internal::MakeTimesContinuous(kSmrmsg, where, &records);
   std::vector<EpochAccuracy> epochs;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const internal::Record<kSmrmsgColumns>& c = records[i];
     epochs.push_back(
         {c[0], Vector3d(c[1], c[2], c[3]), Vector3d(c[7], c[8], c[9]) * kRadPerArcMinute});
-    ExpectUsable(epochs.back(), " of smrmsg " + internal::NameOfRecord(i), where);
+    ExpectUsable(epochs.back(), " of smrmsg " + internal::RecordName(i), where);
   }
   return epochs;
 }

@@ -24,7 +24,7 @@ struct RecordFormat {
 template <std::size_t N>
 using Record = std::array<double, N>;
 
-inline std::string NameOfRecord(std::size_t index) { return "record " + std::to_string(index + 1); }
+inline std::string RecordName(std::size_t index) { return "record " + std::to_string(index + 1); }
 
 /// Decodes all records. Throws InvalidInput if the last one is incomplete or a value is not finite.
 template <std::size_t N>
@@ -35,7 +35,7 @@ std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFor
   if (content.empty()) throw InvalidInput(name + " file is empty", where);
   const std::size_t n = content.size() / kRecordBytes;
   if (content.size() % kRecordBytes != 0) {
-    throw InvalidInput(name + " file is truncated: " + NameOfRecord(n) + " has " +
+    throw InvalidInput(name + " file is truncated: " + RecordName(n) + " has " +
                            std::to_string(content.size() % kRecordBytes) + " of " +
                            std::to_string(kRecordBytes) + " bytes",
                        where);
@@ -45,9 +45,9 @@ std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFor
     for (std::size_t c = 0; c < N; ++c) {
       const double value = LoadLittleEndian<double>(content.data() + i * kRecordBytes + 8 * c);
       if (!std::isfinite(value)) {
-        throw InvalidInput(std::string(format.columns[c]) + " of " + name + " " + NameOfRecord(i) +
-                               " is not finite",
-                           where);
+        throw InvalidInput(
+            std::string(format.columns[c]) + " of " + name + " " + RecordName(i) + " is not finite",
+            where);
       }
       records[i][c] = value;
     }
@@ -58,8 +58,8 @@ std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFor
 /// Removes repeated records and continues times over week rollovers; returns the number of removed
 /// records.
 template <std::size_t N>
-long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
-                 std::vector<Record<N>>* records) {
+long MakeTimesContinuous(const RecordFormat<N>& format, const FileLocation& where,
+                         std::vector<Record<N>>* records) {
   using Verdict = TimeContinuation::Verdict;
   const std::string name = std::string(format.name) + " ";
   TimeContinuation times;
@@ -71,11 +71,11 @@ long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
     try {
       CheckSecondsOfWeek(kept[n][0], where);
     } catch (const InvalidInput& e) {
-      throw InvalidInput(name + NameOfRecord(i) + ": " + e.what(), where);
+      throw InvalidInput(name + RecordName(i) + ": " + e.what(), where);
     }
     const Verdict verdict = times.Next(kept[n].data(), N);
     if (verdict == Verdict::kNotIncreasing) {
-      throw InvalidInput("time " + FormatDouble(kept[n][0]) + " s of " + name + NameOfRecord(i) +
+      throw InvalidInput("time " + FormatDouble(kept[n][0]) + " s of " + name + RecordName(i) +
                              " does not increase: the record before has " +
                              FormatDouble(times.last_s() - times.offset_s()) + " s",
                          where);

@@ -113,7 +113,7 @@ Eigen::Matrix3d LocalFrame::R_m_enu(const Eigen::Vector3d& p_m) const {
   return R_mn(p_m) * R_enu_ned().transpose();
 }
 
-Eigen::Vector3d LocalFrame::Attraction(const Eigen::Vector3d& p_m) const {
+Eigen::Vector3d LocalFrame::Gravitation(const Eigen::Vector3d& p_m) const {
   const Eigen::Vector3d p_e = data_->R_me.transpose() * (data_->r0_m + p_m);
   Eigen::Vector3d g_e;
   GeographicLib::NormalGravity::WGS84().V0(p_e.x(), p_e.y(), p_e.z(), g_e.x(), g_e.y(), g_e.z());

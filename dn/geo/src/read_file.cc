@@ -29,8 +29,8 @@ const char* KindName(fs::file_type type) {
   }
 }
 
-std::ifstream Open(const fs::path& file, std::uintmax_t most_bytes) {
-  ExpectRegularFile(file, most_bytes);
+std::ifstream Open(const fs::path& file, std::uintmax_t max_bytes) {
+  ExpectRegularFile(file, max_bytes);
   std::ifstream in(file, std::ios::binary);
   if (!in) {
     throw InvalidInput("file cannot be opened for reading; check its permissions", {file.string()});
@@ -50,7 +50,7 @@ bool AppendChunk(std::ifstream& in, const fs::path& file, std::string& content) 
 
 }  // namespace
 
-void ExpectRegularFile(const fs::path& file, std::uintmax_t most_bytes) {
+void ExpectRegularFile(const fs::path& file, std::uintmax_t max_bytes) {
   const FileLocation where{file.string()};
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
@@ -63,9 +63,9 @@ void ExpectRegularFile(const fs::path& file, std::uintmax_t most_bytes) {
                        where);
   }
   const std::uintmax_t bytes = fs::file_size(file, error);
-  if (!error && bytes > most_bytes) {
+  if (!error && bytes > max_bytes) {
     throw InvalidInput("file has " + std::to_string(bytes) + " bytes, at most " +
-                           std::to_string(most_bytes) + " are read",
+                           std::to_string(max_bytes) + " are read",
                        where);
   }
 }
@@ -76,8 +76,8 @@ bool IsCircularLink(const fs::path& path) {
   return !followed && error == std::errc::too_many_symbolic_link_levels;
 }
 
-std::string ReadWholeFile(const fs::path& file, std::uintmax_t most_bytes) {
-  std::ifstream in = Open(file, most_bytes);
+std::string ReadWholeFile(const fs::path& file, std::uintmax_t max_bytes) {
+  std::ifstream in = Open(file, max_bytes);
   std::string content;
   std::error_code error;
   const std::uintmax_t bytes = fs::file_size(file, error);
@@ -87,7 +87,7 @@ std::string ReadWholeFile(const fs::path& file, std::uintmax_t most_bytes) {
   return content;
 }
 
-LineReader::LineReader(fs::path file) : file_(std::move(file)), in_(Open(file_, kMostFileBytes)) {}
+LineReader::LineReader(fs::path file) : file_(std::move(file)), in_(Open(file_, kMaxFileBytes)) {}
 
 bool LineReader::ReadMore() {
   buffer_.erase(0, begin_);

@@ -33,8 +33,7 @@ void CheckPositions(const std::vector<SbetRecord>& records, const FileLocation& 
       CheckGeodetic({records[i][1], records[i][2], records[i][3]});
     } catch (const InvalidInput& e) {
       throw InvalidInput(
-          "SBET " + NameOfRecord(i) + ": " + e.what() + "; SBET holds radians, little endian",
-          where);
+          "SBET " + RecordName(i) + ": " + e.what() + "; SBET holds radians, little endian", where);
     }
   }
 }
@@ -122,7 +121,7 @@ void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoi
       "velocities from differentiated positions; the velocities of the file differ "
       "from them by " +
       misfit;
-  const std::vector<Eigen::Vector3d> v_ned_mps = DifferentiatedVelocities(points);
+  const std::vector<Eigen::Vector3d> v_ned_mps = DifferentiatePositions(points);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = v_ned_mps[i];
 }
 
@@ -132,7 +131,7 @@ std::vector<SbetRecord> ReadRecords(const std::filesystem::path& file, Trajector
   std::vector<SbetRecord> records = DecodeRecords(ReadWholeFile(file), kSbet, where);
   CheckPositions(records, where);
   notes->adjusted_with_lidar = HasLidarMark(records);
-  notes->repeated_rows_dropped = SettleTimes(kSbet, where, &records);
+  notes->repeated_rows_dropped = MakeTimesContinuous(kSbet, where, &records);
   if (records.size() < 2) throw InvalidInput("SBET file has only one epoch, needs two", where);
   return records;
 }
@@ -151,7 +150,7 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
 
 }  // namespace internal
 
-std::vector<NavPoint> ReadSbetPath(const std::filesystem::path& file, double min_spacing_s) {
+std::vector<NavPoint> ReadSbetThinned(const std::filesystem::path& file, double min_spacing_s) {
   TrajectoryNotes notes;
   std::vector<NavPoint> path;
   for (const internal::SbetRecord& record : internal::ReadRecords(file, &notes)) {

@@ -171,11 +171,11 @@ TextTableReader::TextTableReader(const std::filesystem::path& file,
   table_.file = file;
 }
 
-bool TextTableReader::Next(std::size_t most_rows) {
+bool TextTableReader::Next(std::size_t max_rows) {
   table_.values.clear();
   table_.lines.clear();
   RowParser parser(table_, allowed_columns_, comment_);
-  for (std::string_view line; table_.rows() < most_rows && lines_.Next(&line);) {
+  for (std::string_view line; table_.rows() < max_rows && lines_.Next(&line);) {
     if (lines_.line() == 1 && line.starts_with(kByteOrderMark)) {
       line.remove_prefix(kByteOrderMark.size());
     }
@@ -189,9 +189,9 @@ bool TextTableReader::Next(std::size_t most_rows) {
 
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment,
-                        std::size_t most_rows) {
+                        std::size_t max_rows) {
   TextTableReader reader(file, allowed_columns, comment);
-  reader.Next(most_rows);
+  reader.Next(max_rows);
   return std::move(reader).table();
 }
 

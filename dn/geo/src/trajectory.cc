@@ -70,20 +70,20 @@ Trajectory::Trajectory(std::vector<NavPoint> points, TrajectoryNotes notes)
   }
 }
 
-const NavPoint& Trajectory::PointFrom(double t_s) const {
+const NavPoint& Trajectory::FirstPointAtOrAfter(double t_s) const {
   const auto at = std::lower_bound(points_.begin(), points_.end() - 1, t_s,
                                    [](const NavPoint& point, double t) { return point.t_s < t; });
   return *at;
 }
 
-std::vector<MapPose> Trajectory::InMap(const LocalFrame& frame) const {
+std::vector<MapPose> Trajectory::ToMapPoses(const LocalFrame& frame) const {
   std::vector<MapPose> poses;
   poses.reserve(points_.size());
   for (const NavPoint& point : points_) poses.push_back(ToMapPose(point, frame));
   return poses;
 }
 
-MapPose Trajectory::InMapAt(double t_s, const LocalFrame& frame) const {
+MapPose Trajectory::MapPoseAt(double t_s, const LocalFrame& frame) const {
   ExpectWithin(t_s, t_begin_s(), t_end_s());
   const auto after = FirstAfter(points_, t_s);
   if (after == points_.end()) return ToMapPose(points_.back(), frame);

@@ -14,7 +14,7 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, const Trajector
 
 /// Returns velocities north, east, down in m/s by differentiating the positions of at least two
 /// points with increasing times, using the parabola through each point and its neighbours.
-std::vector<Eigen::Vector3d> DifferentiatedVelocities(const std::vector<NavPoint>& points);
+std::vector<Eigen::Vector3d> DifferentiatePositions(const std::vector<NavPoint>& points);
 
 /// Returns the difference in m/s between the positions and each of several lists of velocities
 /// north, east, down. Both are averaged over windows of one second; the result is the 95 % quantile

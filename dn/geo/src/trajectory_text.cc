@@ -85,7 +85,7 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, const Trajector
     }
     points.push_back(point);
   }
-  const std::vector<Eigen::Vector3d> v_ned = DifferentiatedVelocities(points);
+  const std::vector<Eigen::Vector3d> v_ned = DifferentiatePositions(points);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = v_ned[i];
   return Trajectory(std::move(points), std::move(notes));
 }

@@ -59,7 +59,7 @@ double Misfit(const std::vector<NavPoint>& points, const MapTrack& track,
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> DifferentiatedVelocities(const std::vector<NavPoint>& points) {
+std::vector<Eigen::Vector3d> DifferentiatePositions(const std::vector<NavPoint>& points) {
   const MapTrack track = ToMapTrack(points);
   const std::size_t n = points.size();
   std::vector<Eigen::Vector3d> v_ned(n);

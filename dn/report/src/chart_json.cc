@@ -101,7 +101,7 @@ Json ChartJson(const Chart& chart) {
   return std::visit([](const auto& one) { return ToDrawingJson(one); }, chart);
 }
 
-std::string EscapedJson(const Json& json) {
+std::string EscapeJson(const Json& json) {
   std::string text;
   for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
     switch (c) {

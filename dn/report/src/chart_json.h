@@ -9,6 +9,6 @@ namespace dn::internal {
 Json ChartJson(const Chart& chart);
 
 /// Returns JSON for the inside of a script element; none of its texts can end the element.
-std::string EscapedJson(const Json& json);
+std::string EscapeJson(const Json& json);
 
 }  // namespace dn::internal

@@ -80,16 +80,16 @@ Interval BinomialInterval(double probability, long n, double p) {
   return interval;
 }
 
-double UniformityP(std::vector<double> values, double of_reference) {
+double UniformityPValue(std::vector<double> values, double reference_size) {
   std::sort(values.begin(), values.end());
   const auto n = static_cast<double>(values.size());
   double largest = 0.0;
   for (std::size_t k = 0; k < values.size(); ++k) {
     const auto below = static_cast<double>(k) / n, up_to = static_cast<double>(k + 1) / n;
     // A rank is only known to one step of the reference.
-    largest = std::max({largest, up_to - values[k], values[k] - 1.0 / of_reference - below});
+    largest = std::max({largest, up_to - values[k], values[k] - 1.0 / reference_size - below});
   }
-  const double root = std::sqrt(n * of_reference / (n + of_reference));
+  const double root = std::sqrt(n * reference_size / (n + reference_size));
   const double x = largest * (root + 0.12 + 0.11 / root);
   if (x < 0.3) return 1.0;  // the series converges slowly there, but the tail is 1 within 1e-5
   double tail = 0.0;

@@ -44,7 +44,7 @@ std::string TableText(const Table& table) {
       out += "  " + PadToWidth(line[k], widths[k], k == 0);
     text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
   }
-  return text + (table.note.empty() ? "" : "  " + Wrapped(table.note, "  "));
+  return text + (table.note.empty() ? "" : "  " + WrapText(table.note, "  "));
 }
 
 }  // namespace
@@ -62,8 +62,8 @@ std::string ToText(const Number& number) {
 std::string ToText(const Document& document) {
   std::string text = document.title + "\n";
   for (const Headline& headline : document.headlines) {
-    text += Wrapped(headline.word + ": " + headline.answer, "  ");
-    for (const std::string& reason : headline.reasons) text += "  " + Wrapped(reason, "    ");
+    text += WrapText(headline.word + ": " + headline.answer, "  ");
+    for (const std::string& reason : headline.reasons) text += "  " + WrapText(reason, "    ");
     for (const Table& table : headline.figures) text += TableText(table);
   }
   for (const Section& section : document.sections) {

@@ -104,7 +104,7 @@ class Page {
       return "<script>\n" + std::string(text) + "\n</script>\n";
     };
     std::string text = "<script type=\"application/json\" id=\"dn-data\">" +
-                       internal::EscapedJson({{"charts", charts_}}) + "</script>\n";
+                       internal::EscapeJson({{"charts", charts_}}) + "</script>\n";
     if (has_series_) text += script(internal::uplot_script);
     if (has_pictures_) text += script(internal::d3_script) + script(internal::plot_script);
     return text + script(internal::page_script);

@@ -218,10 +218,10 @@ bool JsonPlace::Flag() const {
   return json_->get<bool>();
 }
 
-std::string JsonPlace::Text(std::size_t most_bytes) const {
+std::string JsonPlace::Text(std::size_t max_bytes) const {
   const auto* text = json_->get_ptr<const Json::string_t*>();
   if (text == nullptr) Fail("is no text");
-  if (text->size() > most_bytes) Fail(fmt::format("is longer than {} bytes", most_bytes));
+  if (text->size() > max_bytes) Fail(fmt::format("is longer than {} bytes", max_bytes));
   return *text;
 }
 

@@ -43,7 +43,7 @@ std::vector<double> SelectPoints(const std::vector<double>& values,
 
 }  // namespace
 
-Curve Thinned(const Curve& curve, std::size_t most) {
+Curve ThinCurve(const Curve& curve, std::size_t most) {
   const std::size_t count = curve.x.size();
   if (count <= most) return curve;
   const std::size_t per_stretch = curve.low.empty() ? 2 : 4;

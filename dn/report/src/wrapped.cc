@@ -10,7 +10,7 @@ constexpr std::size_t kLineWidth = 100;
 
 }  // namespace
 
-std::string Wrapped(const std::string& text, const std::string& indent) {
+std::string WrapText(const std::string& text, const std::string& indent) {
   std::istringstream words(text);
   std::string out, line, word;
   while (words >> word) {

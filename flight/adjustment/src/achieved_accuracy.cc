@@ -21,7 +21,7 @@ Eigen::Vector3d AxisQuantiles(const std::vector<TrajectorySigma>& sigma, Axes ax
 
 }  // namespace
 
-AchievedAccuracy AccuracyOf(const std::vector<TrajectorySigma>& sigma) {
+AchievedAccuracy SummariseAccuracy(const std::vector<TrajectorySigma>& sigma) {
   AchievedAccuracy accuracy;
   for (const Axes axes : {&TrajectorySigma::position_enu_m, &TrajectorySigma::velocity_enu_mps,
                           &TrajectorySigma::rph_rad}) {

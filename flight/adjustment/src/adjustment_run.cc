@@ -80,11 +80,11 @@ void AdjustmentRun::SetPairLoss(const Loss& loss) {
   for (const auto& edge : network().pair_edges) network().net.SetLoss(edge.id, loss);
 }
 
-void AdjustmentRun::StandIn(std::unique_ptr<FlightNetwork> network) {
+void AdjustmentRun::SwapNetworkIn(std::unique_ptr<FlightNetwork> network) {
   set_aside_ = std::exchange(result_.network, std::move(network));
 }
 
-std::unique_ptr<FlightNetwork> AdjustmentRun::TakeBack() {
+std::unique_ptr<FlightNetwork> AdjustmentRun::SwapNetworkBack() {
   return std::exchange(result_.network, std::move(set_aside_));
 }
 

@@ -1,5 +1,5 @@
-#include <dn/autodiff.h>
 #include <dn/adjustment/candidate_effects.h>
+#include <dn/autodiff.h>
 #include <dn/effects/effect_table.h>
 #include <dn/imu/imu_means.h>
 #include <dn/parallel.h>
@@ -52,14 +52,14 @@ struct EdgeKind {
 /// Adds every candidate to the edges, with the value zero, and computes the derivatives.
 class Candidates {
  public:
-  Candidates(const FlightNetwork& network, int threads, const std::vector<OwnEffect>& own)
+  Candidates(const FlightNetwork& network, int threads, const std::vector<UserEffect>& own)
       : network_(network),
         threads_(threads),
-        means_(MeansOver(*network.flight().imu, kMeanInterval_s)),
+        means_(AverageSamples(*network.flight().imu, kMeanInterval_s)),
         state_(network.Calibration()),
         num_own_(own.size()) {
     for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
-    for (const OwnEffect& effect : own) Add(effect);
+    for (const UserEffect& effect : own) Add(effect);
     state_candidates_.assign(state_.effects.size(), nullptr);
   }
 
@@ -106,7 +106,7 @@ class Candidates {
     AddAtZero(std::move(candidate), effect.make(site));
   }
 
-  void Add(const OwnEffect& effect) {
+  void Add(const UserEffect& effect) {
     CandidateEffect candidate;
     candidate.name = effect.name;
     candidate.typical = effect.typical;
@@ -181,8 +181,8 @@ class Candidates {
   void AddInertial() {
     EdgeKind kind;
     for (const auto& edge : network_.inertial_edges) kind.edges.push_back(edge.id);
-    kind.effects = EffectsOfInertial(state_);
-    kind.own_effects = EffectsOfInertial(network_.Calibration()).size();
+    kind.effects = InertialEffectIndices(state_);
+    kind.own_effects = InertialEffectIndices(network_.Calibration()).size();
     kind.make = [&](std::size_t k) { return bridging_[k] ? bridging_[k] : InertialFactor(k); };
     Differentiate(kind);
   }
@@ -218,9 +218,9 @@ class Candidates {
       velocity.nodes.push_back(edge.node);
     }
     if (!network_.gnss_error.empty()) {
-      position.own_effects = EffectsOfGnss(network_.Calibration()).size();
+      position.own_effects = GnssEffectIndices(network_.Calibration()).size();
     }
-    position.effects = velocity.effects = EffectsOfGnss(state_);
+    position.effects = velocity.effects = GnssEffectIndices(state_);
     position.make = [&](std::size_t k) {
       return network_.GnssPositionFactor(network_.gnss_edges[k], state_);
     };
@@ -248,9 +248,9 @@ class Candidates {
       });
       if (at != found_.end()) AppendColumns(edges, columns, first, count, &*at);
     };
-    append_held(EffectId::kLidarLeverArm, internal::kColumnOfLeverArm, 3);
-    append_held(EffectId::kLidarTimeOffset, internal::kColumnOfTimeOffset, 1);
-    Append(edges, EffectsOfPairs(state_), columns, internal::kColumnOfPairEffects);
+    append_held(EffectId::kLidarLeverArm, internal::kLeverArmColumn, 3);
+    append_held(EffectId::kLidarTimeOffset, internal::kTimeOffsetColumn, 1);
+    Append(edges, PairEffectIndices(state_), columns, internal::kPairEffectsColumn);
   }
 
   /// Returns the values for the factor that an edge would have under the extended calibration.
@@ -285,7 +285,7 @@ class Candidates {
     for (const BlockKind& block : of_effects) columns += block.stored_size;
     // Effects are vectors: their stored coordinates are the tangent ones.
     std::vector<double> stored(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns),
-                               Unwritten());
+                               UnwrittenNan());
     std::vector<double*> J(blocks.size(), nullptr);
     double* next = stored.data();
     for (std::size_t b = 0; b < of_effects.size(); ++b) {
@@ -379,7 +379,7 @@ CandidateEffect DescribeEffect(const EstimableEffect& effect) {
 }
 
 std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads,
-                                              const std::vector<OwnEffect>& own) {
+                                              const std::vector<UserEffect>& own) {
   return Candidates(network, threads, own).Run();
 }
 

@@ -40,8 +40,8 @@ class DenseLegs {
     std::vector<DensePose> leg{{start, here.w_end_b_radps, here.f_end_b_mps2}};
     if (!has_leg_[i]) return leg;
     const MapPose end = network_.NodePose(i + 1);
-    GrowingMotion motion(*flight_.imu, start.t_s, correction);
-    const Propagation from_start(flight_.frame, start, calibration_.AttractionAt(start.p_mb));
+    IncrementalMotionIntegrator motion(*flight_.imu, start.t_s, correction);
+    const Propagation from_start(flight_.frame, start, calibration_.GravitationAt(start.p_mb));
     const auto at = [&](double t_s) {
       const InertialIncrements increments = motion.To(t_s);
       return DensePose{from_start.To(increments), increments.w_end_b_radps,

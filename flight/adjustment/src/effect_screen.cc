@@ -28,7 +28,7 @@ class EffectScreener {
       const std::optional<std::size_t> best = Likeliest(left);
       if (!best) break;
       EffectCheck effect = Describe(left, *best);
-      JointScore given = GivenComponents(left, left.Components(*best));
+      JointScore given = ConditionOnComponents(left, left.Components(*best));
       effect.inseparable_from = AlsoExplain(left, given, *best, effect.log_evidence);
       out_.chosen.push_back(*best);
       out_.effects.push_back(std::move(effect));
@@ -46,7 +46,7 @@ class EffectScreener {
   }
 
   double PValue(const JointScore& score, std::size_t k) const {
-    const ScoreTest test = TestTogether(score, score.Components(k));
+    const ScoreTest test = TestJointly(score, score.Components(k));
     return test.dof > 0 ? ForFamily(ChiSquareTail(test.statistic, test.dof)) : 1.0;
   }
 
@@ -85,7 +85,7 @@ class EffectScreener {
       const std::string& name = candidates_[k].name;
       if (k == chosen || name == candidates_[chosen].name) continue;
       if (LogEvidence(score, score.Components(k), candidates_[k].typical) <
-          evidence - kAsLikelyNats) {
+          evidence - kEquallyLikelyNats) {
         continue;
       }
       if (PValue(given, k) <= kFamilyLevel) continue;
@@ -101,7 +101,7 @@ class EffectScreener {
       for (const Eigen::Index c : score_.Components(k)) components.push_back(c);
     }
     if (components.empty()) return;
-    const ScoreTest test = TestTogether(score_, components);
+    const ScoreTest test = TestJointly(score_, components);
     Eigen::VectorXd usual(test.estimate.size());
     Eigen::Index at = 0;
     for (const std::size_t k : out_.chosen) {
@@ -120,7 +120,7 @@ class EffectScreener {
           candidate.per_si * test.covariance.diagonal().segment(at, q).cwiseMax(0.0).cwiseSqrt();
       const Eigen::VectorXd move =
           score_.shift(Eigen::all, score_.Components(out_.chosen[e])) * shrunk.segment(at, q);
-      effect.damage = InSigmas(move);
+      effect.max_shift_sigmas = InSigmas(move);
       if (options_.of_boresight) effect.boresight_rad = move;
       at += q;
     }
@@ -137,30 +137,31 @@ class EffectScreener {
 
 double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
                    const Eigen::VectorXd& typical) {
-  return EvidenceForm(score.A(components, components), typical).LogEvidence(score.s(components));
+  return SizeAveragedEvidence(score.A(components, components), typical)
+      .LogEvidence(score.s(components));
 }
 
 Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen::Index>& components,
                                const Eigen::VectorXd& typical) {
   Eigen::MatrixXd A = score.A(components, components);
-  A.diagonal() += (kLargestPerTypical * typical).cwiseAbs2().cwiseInverse();
+  A.diagonal() += (kMaxPerTypical * typical).cwiseAbs2().cwiseInverse();
   return -A.ldlt().solve(score.s(components));
 }
 
-std::optional<DepartureCheck> CheckDeparture(const CandidateEffect& departure,
-                                             const JointScore& beside,
-                                             const std::vector<Eigen::Index>& components,
-                                             double excess, const ScreenOptions& options) {
-  const ScoreTest test = TestTogether(beside, components);
+std::optional<DiscrepancyCheck> CheckDiscrepancy(const CandidateEffect& departure,
+                                                 const JointScore& beside,
+                                                 const std::vector<Eigen::Index>& components,
+                                                 double excess, const ScreenOptions& options) {
+  const ScoreTest test = TestJointly(beside, components);
   if (test.dof == 0) return std::nullopt;
   const Eigen::VectorXd move =
       beside.shift(Eigen::all, components) * ShrunkEstimate(beside, components, departure.typical);
-  DepartureCheck check;
+  DiscrepancyCheck check;
   check.name = departure.name;
   check.statistic = test.statistic / excess;
   check.dof = test.dof;
   check.p_value = std::min(1.0, options.tests * ChiSquareTail(check.statistic, test.dof));
-  check.damage = move.cwiseQuotient(options.watched_sigma).cwiseAbs().maxCoeff();
+  check.max_shift_sigmas = move.cwiseQuotient(options.watched_sigma).cwiseAbs().maxCoeff();
   if (options.of_boresight) check.boresight_rad = move;
   return check;
 }

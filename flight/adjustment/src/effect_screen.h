@@ -12,10 +12,10 @@
 namespace dn::internal {
 
 // Effects whose evidence is within this of the best one are nearly as likely.
-inline constexpr double kAsLikelyNats = 3.0;
+inline constexpr double kEquallyLikelyNats = 3.0;
 // Estimates much larger than this many typical sizes are shrunk towards zero, so that components
 // that the data do not determine cause no shift.
-inline constexpr double kLargestPerTypical = 30.0;
+inline constexpr double kMaxPerTypical = 30.0;
 
 /// Common settings of the tests of effects.
 struct ScreenOptions {
@@ -38,17 +38,17 @@ double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& com
                    const Eigen::VectorXd& typical);
 
 /// Returns joint estimates of the components, SI, shrunk towards zero if they are well above
-/// kLargestPerTypical typical sizes.
+/// kMaxPerTypical typical sizes.
 Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen::Index>& components,
                                const Eigen::VectorXd& typical);
 
 /// Tests an unmodelled discrepancy after the found effects have become unknowns. `components` are
 /// those of the discrepancy in `beside`, after those of the candidates. `excess` is the noise
 /// variance over the stated one. Returns nullopt if the unknowns absorb the discrepancy.
-std::optional<DepartureCheck> CheckDeparture(const CandidateEffect& departure,
-                                             const JointScore& beside,
-                                             const std::vector<Eigen::Index>& components,
-                                             double excess, const ScreenOptions& options);
+std::optional<DiscrepancyCheck> CheckDiscrepancy(const CandidateEffect& departure,
+                                                 const JointScore& beside,
+                                                 const std::vector<Eigen::Index>& components,
+                                                 double excess, const ScreenOptions& options);
 
 /// Selects the likeliest significant effect, up to four times, each time with the selected ones as
 /// unknowns. Then estimates all of them jointly. `score` is that of the candidates, in their order.

@@ -38,7 +38,7 @@ std::vector<StripMotion> Motions(const Flight& flight, const std::vector<StripIn
   for (const StripInterval& strip : strips) {
     const double t_s = 0.5 * (strip.t0_s + strip.t1_s);
     if (!flight.trajectory->Covers(t_s)) continue;
-    const NavPoint& point = flight.trajectory->PointFrom(t_s);
+    const NavPoint& point = flight.trajectory->FirstPointAtOrAfter(t_s);
     motions.push_back({std::atan2(point.v_ned_mps.y(), point.v_ned_mps.x()), point.position.h_m});
   }
   return motions;
@@ -64,13 +64,13 @@ void CheckEstimate(const FlightConfig& config, const char* method) {
   }
 }
 
-TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
-                                            const std::vector<StripInterval>& strips) {
-  TrajectoryScatterOptions options;
+TrajectoryErrorOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
+                                          const std::vector<StripInterval>& strips) {
+  TrajectoryErrorOptions options;
   options.covariance = accuracy.covariance;
   options.sigma_ned_m = accuracy.sigma_ned_m;
   options.sigma_rph_rad = accuracy.sigma_rph_rad;
-  options.stated_by = accuracy.stated_by;
+  options.sigma_source = accuracy.sigma_source;
   for (const StripInterval& strip : strips) options.strip_begin_s.push_back(strip.t0_s);
   std::sort(options.strip_begin_s.begin(), options.strip_begin_s.end());
   return options;
@@ -91,39 +91,39 @@ StripDiversity DescribeStrips(const Flight& flight, const std::vector<StripInter
   return diversity;
 }
 
-facts::AttitudeInPairs::Size SizeOfAttitudeError(double change_m, double noise_m,
-                                                 const Vector3d& sigma_rph_rad) {
+facts::AttitudeInPairs::Size ClassifyAttitudeError(double change_m, double noise_m,
+                                                   const Vector3d& sigma_rph_rad) {
   using Size = facts::AttitudeInPairs::Size;
   if (change_m <= kNoiseLevel * noise_m) return Size::kNoise;
   const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);
   const bool tactical = (sigma_rph_rad.array() <= envelope_rad.array()).all();
-  return tactical ? Size::kHeld : Size::kAbsorbed;
+  return tactical ? Size::kCovered : Size::kAbsorbed;
 }
 
-void AddWhyWider(const TrajectoryScatter& scatter, const TrajectoryAccuracy& accuracy,
-                 const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight) {
+void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,
+                       const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight) {
   facts::SigmasWidened fact;
   fact.ratio = boresight->sigma_rad().cwiseQuotient(*boresight->sigma_scaled_rad);
   if (fact.ratio.maxCoeff() < kMuchWider) return;
   fact.scaled_rad = *boresight->sigma_scaled_rad;
-  fact.scattered_rad = scatter.covariance_rad2.diagonal().cwiseSqrt();
+  fact.correlated_rad = scatter.covariance_rad2.diagonal().cwiseSqrt();
   fact.constant_rad = constant_rad2.diagonal().cwiseSqrt();
   fact.source = accuracy.source;
-  fact.times_stated = accuracy.covariance.has_value();
-  fact.times_shown = scatter.evidence_nats > kEvidentNats;
+  fact.tau_stated = accuracy.covariance.has_value();
+  fact.tau_shown = scatter.evidence_nats > kEvidentNats;
   fact.tau_s = scatter.tau_s;
   boresight->reasons.push_back({std::move(fact)});
 }
 
-GroupCheck GroupOf(const char* name, long observations, const AdjustmentFigures& figures,
-                   const TrajectoryScatter& scatter) {
+GroupCheck MakeGroupCheck(const char* name, long observations, const AdjustmentFigures& figures,
+                          const CorrelatedErrorCovariance& scatter) {
   const auto redundancy = static_cast<double>(figures.redundancy);
   GroupCheck group;
   group.name = name;
   group.observations = observations;
   group.redundancy = redundancy;
   const double chi2 = figures.chi2 / scatter.expected_ratio;
-  group.variance_ratio = group.ratio_beside_effects = chi2 / std::max(1.0, redundancy);
+  group.variance_ratio = group.ratio_with_effects = chi2 / std::max(1.0, redundancy);
   const double dof = scatter.expected_dof > 0.0 ? scatter.expected_dof : std::max(1.0, redundancy);
   const double above = ChiSquareTail(dof * group.variance_ratio, dof);
   group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));

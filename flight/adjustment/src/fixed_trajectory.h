@@ -22,8 +22,8 @@ TrajectoryAccuracy ReadAccuracyAt(const Flight& flight,
 
 /// Returns the options of the trajectory covariance: stated accuracy and first epochs of the
 /// strips.
-TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
-                                            const std::vector<StripInterval>& strips);
+TrajectoryErrorOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
+                                          const std::vector<StripInterval>& strips);
 
 /// Returns the geometry of strips at the mean range mean_range_m.
 StripDiversity DescribeStrips(const Flight& flight, const std::vector<StripInterval>& strips,
@@ -31,13 +31,13 @@ StripDiversity DescribeStrips(const Flight& flight, const std::vector<StripInter
 
 /// Classifies an attitude error that changes a measured quantity with the noise noise_m by
 /// change_m: noise, held or absorbed.
-facts::AttitudeInPairs::Size SizeOfAttitudeError(double change_m, double noise_m,
-                                                 const Eigen::Vector3d& sigma_rph_rad);
+facts::AttitudeInPairs::Size ClassifyAttitudeError(double change_m, double noise_m,
+                                                   const Eigen::Vector3d& sigma_rph_rad);
 
 /// Fills in the results that do not depend on the kind of observations: the boresight with its
 /// covariances, and the figures.
 template <class Calibration>
-void FillBoresight(const TrajectoryScatter& scatter, Calibration* calibration) {
+void FillBoresight(const CorrelatedErrorCovariance& scatter, Calibration* calibration) {
   const auto& adjustment = calibration->adjustment;
   BoresightResult& boresight = calibration->boresight;
   boresight.angles_rad = adjustment.boresight_rad;
@@ -57,12 +57,12 @@ void FillBoresight(const TrajectoryScatter& scatter, Calibration* calibration) {
 }
 
 /// Adds the reason why the reliable sigmas are larger than those of the normal matrix, if they are.
-void AddWhyWider(const TrajectoryScatter& scatter, const TrajectoryAccuracy& accuracy,
-                 const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);
+void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,
+                       const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);
 
 /// Compares the sum of squares of an adjustment with its expectation under the stated,
 /// time-correlated errors of the trajectory.
-GroupCheck GroupOf(const char* name, long observations, const AdjustmentFigures& figures,
-                   const TrajectoryScatter& scatter);
+GroupCheck MakeGroupCheck(const char* name, long observations, const AdjustmentFigures& figures,
+                          const CorrelatedErrorCovariance& scatter);
 
 }  // namespace dn::internal

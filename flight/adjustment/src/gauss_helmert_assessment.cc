@@ -51,7 +51,7 @@ facts::AttitudeInPairs AttitudeErrors(const GaussHelmertCalibration& calibration
   fact.change_m = LargestChange(calibration.problem, fact.sigma_rph_rad);
   fact.range_m = calibration.mean_range_m;
   fact.pair_sigma_m = PairSigma(calibration.problem);
-  fact.size = internal::SizeOfAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
+  fact.size = internal::ClassifyAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
   return fact;
 }
 
@@ -96,7 +96,8 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   const StripDiversity& diversity = calibration->diversity;
   if (!diversity.sufficient()) add(facts::StripsAlike{diversity.strips});
   if (adjustment.pairs_kept < kFewPairs) add(facts::FewPairs{adjustment.pairs_kept});
-  AddWhyWider(calibration->scatter, calibration->accuracy, calibration->constant_rad2, &boresight);
+  AddWideningReason(calibration->scatter, calibration->accuracy, calibration->constant_rad2,
+                    &boresight);
   for (const EstimateEntry& entry : flight.config.estimate) {
     if (entry.unknown != "boresight")
       add(facts::NotEstimated{entry.unknown,

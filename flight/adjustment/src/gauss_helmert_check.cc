@@ -24,7 +24,7 @@ std::optional<PriorCheck> CheckStatedPrior(const GaussHelmertCalibration& calibr
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(pair_normal);
   if (!lu.isInvertible()) return std::nullopt;
   const Eigen::Vector3d predicted_rad =
-      lu.solve(calibration.adjustment.normal * AwayFromStated(calibration));
+      lu.solve(calibration.adjustment.normal * DeviationFromPrior(calibration));
   const Eigen::Matrix3d covariance = Eigen::Matrix3d(P.inverse()) + Eigen::Matrix3d(lu.inverse()) +
                                      calibration.boresight.covariance_rad2;
   PriorCheck prior;
@@ -42,13 +42,13 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
   const GaussHelmertEffects found = FindEffects(flight, strips, calibration);
   ModelCheck check;
   check.of_boresight = true;
-  check.groups.push_back(GroupOf("lidar p2p", 3 * calibration.figures.correspondences,
-                                 calibration.figures, calibration.scatter));
+  check.groups.push_back(MakeGroupCheck("lidar p2p", 3 * calibration.figures.correspondences,
+                                        calibration.figures, calibration.scatter));
   if (const auto prior = CheckStatedPrior(calibration)) check.priors.push_back(*prior);
   check.effects = found.effects;
   check.departures = found.departures;
-  check.groups.front().ratio_beside_effects *= found.share_left;
-  check.sigma0_beside_effects =
+  check.groups.front().ratio_with_effects *= found.share_left;
+  check.sigma0_with_effects =
       calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);
   check.p_value = check.SmallestPValue();
   AddFindings(flight, calibration, &check);

@@ -47,8 +47,8 @@ struct ScaleEvidence {
 /// and errors near the stated scale with an effect.
 class ScaleSearch {
  public:
-  ScaleSearch(const LastingErrors& errors, const std::vector<CandidateEffect>& candidates,
-              double sigma0)
+  ScaleSearch(const TimeCorrelatedErrorModel& errors,
+              const std::vector<CandidateEffect>& candidates, double sigma0)
       : errors_(errors), candidates_(candidates), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
@@ -73,7 +73,7 @@ class ScaleSearch {
   const ScaleEvidence& At(const ScaleSteps& steps) {
     const auto known = known_.find(steps);
     if (known != known_.end()) return known->second;
-    LastingErrors::AtScale at = errors_.At(ToErrorScale(steps));
+    TimeCorrelatedErrorModel::ScaleSolution at = errors_.At(ToErrorScale(steps));
     ScaleEvidence evidence;
     const double octaves2 =
         steps.position * steps.position + static_cast<double>(steps.attitude * steps.attitude);
@@ -113,7 +113,7 @@ class ScaleSearch {
     return sigma0_ > 1.0 ? kWhiteSteps : 0;
   }
 
-  const LastingErrors& errors_;
+  const TimeCorrelatedErrorModel& errors_;
   const std::vector<CandidateEffect>& candidates_;
   double sigma0_;
   ScaleSteps likeliest_;
@@ -122,8 +122,8 @@ class ScaleSearch {
 
 /// Returns the sigmas of the boresight without the contribution of the effects, which the reliable
 /// sigmas may contain.
-Vector3d SigmaBesideEffects(const LastingErrors& errors, const ErrorScale& scale,
-                            const GaussHelmertCalibration& calibration) {
+Vector3d SigmaWithoutEffects(const TimeCorrelatedErrorModel& errors, const ErrorScale& scale,
+                             const GaussHelmertCalibration& calibration) {
   const Matrix3d covariance = errors.BoresightCovariance(scale) + calibration.constant_rad2;
   return covariance.diagonal().cwiseSqrt().cwiseMin(calibration.boresight.sigma_rad());
 }
@@ -139,7 +139,7 @@ Eigen::VectorXd ExpandEstimates(const EffectScreen& screen, const JointScore& sc
 
 }  // namespace
 
-Vector3d AwayFromStated(const GaussHelmertCalibration& calibration) {
+Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration) {
   return Log(Eigen::Quaterniond(Exp(calibration.boresight.angles_rad) *
                                 Exp(calibration.problem.boresight_rad).conjugate()));
 }
@@ -147,23 +147,25 @@ Vector3d AwayFromStated(const GaussHelmertCalibration& calibration) {
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {
   const LinearPairs pairs = LinearisePairs(flight, calibration);
-  std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
-  candidates.push_back(OnPairs(LaserByScanAngle(*flight.config.lidar, pairs.ends), pairs.ends));
-  const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, candidates);
+  std::vector<CandidateEffect> candidates = MakeScannerEffects(flight, pairs.ends);
+  candidates.push_back(
+      MakePairCandidate(LaserByScanAngle(*flight.config.lidar, pairs.ends), pairs.ends));
+  const TimeCorrelatedErrorModel errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior,
+                                        candidates);
   const auto tests = static_cast<double>(candidates.size());
   const CandidateEffect by_angle = std::move(candidates.back());
   candidates.pop_back();
   GaussHelmertEffects out;
   ScaleSearch search(errors, candidates, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();
-  const ScreenOptions options{tests, SigmaBesideEffects(errors, scale, calibration), true};
+  const ScreenOptions options{tests, SigmaWithoutEffects(errors, scale, calibration), true};
   const EffectScreen screen = ScreenEffects(candidates, search.score(), options);
   out.effects = screen.effects;
-  const auto departure = CheckDeparture(
+  const auto departure = CheckDiscrepancy(
       by_angle, screen.beside, screen.beside.Components(candidates.size()), kNoExcess, options);
   if (departure) out.departures.push_back(*departure);
   if (!screen.chosen.empty()) {
-    out.share_left = errors.ShareLeft(ExpandEstimates(screen, search.score()));
+    out.share_left = errors.ResidualShare(ExpandEstimates(screen, search.score()));
   }
   return out;
 }

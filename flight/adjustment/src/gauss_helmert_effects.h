@@ -10,7 +10,7 @@ namespace dn::internal {
 /// Effects and unmodelled discrepancies that the pairs of a Gauss-Helmert calibration show.
 struct GaussHelmertEffects {
   std::vector<EffectCheck> effects;
-  std::vector<DepartureCheck> departures;
+  std::vector<DiscrepancyCheck> departures;
   /// Share of the misclosures' sum of squares that remains if `effects` are estimated.
   double share_left = 1.0;
 };
@@ -29,6 +29,6 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
                                 const GaussHelmertCalibration& calibration);
 
 /// Returns the left rotation from the stated boresight to the estimated one.
-Eigen::Vector3d AwayFromStated(const GaussHelmertCalibration& calibration);
+Eigen::Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration);
 
 }  // namespace dn::internal

@@ -136,7 +136,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = internal::MeanRange(calibration.problem);
   calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);
-  calibration.scatter = EstimateTrajectoryScatter(
+  calibration.scatter = EstimateCorrelatedErrorCovariance(
       calibration.problem, calibration.adjustment, calibration.options.model,
       internal::MakeScatterOptions(calibration.accuracy, strips));
   internal::FillBoresight(calibration.scatter, &calibration);

@@ -75,9 +75,9 @@ std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marg
   return text;
 }
 
-std::optional<Finding> WarningOfGnssErrors(const Adjustment& adjustment) {
+std::optional<Finding> GnssErrorWarning(const Adjustment& adjustment) {
   if (!adjustment.gnss_correlation.significant()) return std::nullopt;
-  return Finding{facts::GnssErrorsLast{adjustment.gnss_correlation}};
+  return Finding{facts::GnssErrorsCorrelated{adjustment.gnss_correlation}};
 }
 
 }  // namespace dn

@@ -58,7 +58,7 @@ class ScanAngles {
 
 }  // namespace
 
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range) {
+UserEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range) {
   const double first_rad = range.low_rad;
   const double step = (range.high_rad - first_rad) / (kScanAngleBumps - 1);
   auto weights = [=](const LidarReading& reading, Eigen::VectorXd* w) {
@@ -73,7 +73,7 @@ OwnEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range
           Eigen::VectorXd::Constant(3 * kScanAngleBumps, kLaserM)};
 }
 
-OwnEffect LaserByScanAngle(const FlightNetwork& network) {
+UserEffect LaserByScanAngle(const FlightNetwork& network) {
   ScanAngles angles(*network.flight().config.lidar);
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
     angles.Add(edge.pair.u_i_s);
@@ -82,7 +82,7 @@ OwnEffect LaserByScanAngle(const FlightNetwork& network) {
   return LaserByScanAngle(*network.flight().config.lidar, angles.Range());
 }
 
-ScanAngleRange ScanAnglesOf(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
+ScanAngleRange FindScanAngleRange(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
   ScanAngles angles(lidar);
   for (const PairEnds& pair : pairs) {
     angles.Add(pair.i.u_s);
@@ -91,11 +91,11 @@ ScanAngleRange ScanAnglesOf(const LidarConfig& lidar, const std::vector<PairEnds
   return angles.Range();
 }
 
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
-  return LaserByScanAngle(lidar, ScanAnglesOf(lidar, pairs));
+UserEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
+  return LaserByScanAngle(lidar, FindScanAngleRange(lidar, pairs));
 }
 
-OwnEffect LaserByStrip(const std::vector<StripInterval>& strips) {
+UserEffect LaserByStrip(const std::vector<StripInterval>& strips) {
   auto weights = [strips](const LidarReading& reading, Eigen::VectorXd* w) {
     const double t_s = reading.tag_s - reading.delay_s;
     for (std::size_t k = 0; k < strips.size(); ++k) {

@@ -109,11 +109,11 @@ SparseRows MakePairJacobian(const PairRows& rows, const std::vector<StripUnknown
 
 }  // namespace
 
-LastingErrors::LastingErrors(const std::vector<PairRows>& rows,
-                             const std::vector<StripInterval>& strips,
-                             const Eigen::Matrix<double, 6, 6>& error_sqrt,
-                             const BoresightPrior& prior,
-                             const std::vector<CandidateEffect>& candidates)
+TimeCorrelatedErrorModel::TimeCorrelatedErrorModel(const std::vector<PairRows>& rows,
+                                                   const std::vector<StripInterval>& strips,
+                                                   const Eigen::Matrix<double, 6, 6>& error_sqrt,
+                                                   const BoresightPrior& prior,
+                                                   const std::vector<CandidateEffect>& candidates)
     : prior_(prior), rows_(3.0 * static_cast<double>(rows.size())) {
   const std::vector<StripUnknowns> unknowns = LayOut(Merged(strips));
   const Index n = unknowns.back().first + 6 * (1 + unknowns.back().nodes);
@@ -149,7 +149,7 @@ LastingErrors::LastingErrors(const std::vector<PairRows>& rows,
   }
 }
 
-VectorXd LastingErrors::ScaleOfUnknowns(const ErrorScale& scale) const {
+VectorXd TimeCorrelatedErrorModel::UnknownScales(const ErrorScale& scale) const {
   VectorXd D = VectorXd::Ones(H_.rows());
   for (Index k = 3; k < D.size(); k += 6) {
     D.segment<3>(k).setConstant(scale.position);
@@ -158,13 +158,14 @@ VectorXd LastingErrors::ScaleOfUnknowns(const ErrorScale& scale) const {
   return D;
 }
 
-Eigen::Matrix3d LastingErrors::NormalOfBoresight() const {
+Eigen::Matrix3d TimeCorrelatedErrorModel::BoresightNormal() const {
   return H_.topLeftCorner<3, 3>() + prior_.weight;
 }
 
-LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
+TimeCorrelatedErrorModel::ScaleSolution TimeCorrelatedErrorModel::At(
+    const ErrorScale& scale) const {
   const double variance = scale.white * scale.white;
-  const VectorXd D = ScaleOfUnknowns(scale) / scale.white;
+  const VectorXd D = UnknownScales(scale) / scale.white;
   MatrixXd N = D.asDiagonal() * H_ * D.asDiagonal();
   N.diagonal().tail(N.rows() - 3).array() += 1.0;
   N.topLeftCorner<3, 3>() += prior_.weight / variance;
@@ -174,7 +175,7 @@ LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
   const Eigen::LLT<MatrixXd> llt(N);
   const MatrixXd Z = llt.solve(G);
 
-  AtScale out;
+  ScaleSolution out;
   const VectorXd pivots = llt.matrixLLT().diagonal();
   out.chi2 = rr_ / variance - b.dot(llt.solve(b));
   out.log_likelihood = -0.5 * out.chi2 - pivots.array().log().sum() - rows_ * std::log(scale.white);
@@ -184,20 +185,20 @@ LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
   score.A = LL_ / variance - G.transpose() * Z;
   score.A = 0.5 * (score.A + MatrixXd(score.A.transpose()));
   score.signature2 = LL_.diagonal() / variance;
-  score.shift = NormalOfBoresight().llt().solve(G_.topRows<3>());
+  score.shift = BoresightNormal().llt().solve(G_.topRows<3>());
   return out;
 }
 
-Eigen::Matrix3d LastingErrors::BoresightCovariance(const ErrorScale& scale) const {
-  const Eigen::Matrix3d inverse = NormalOfBoresight().inverse();
+Eigen::Matrix3d TimeCorrelatedErrorModel::BoresightCovariance(const ErrorScale& scale) const {
+  const Eigen::Matrix3d inverse = BoresightNormal().inverse();
   const Index errors = H_.rows() - 3;
   const MatrixXd moved =
-      inverse * H_.topRightCorner(3, errors) * ScaleOfUnknowns(scale).tail(errors).asDiagonal();
+      inverse * H_.topRightCorner(3, errors) * UnknownScales(scale).tail(errors).asDiagonal();
   return scale.white * scale.white * inverse + moved * moved.transpose();
 }
 
-double LastingErrors::ShareLeft(const VectorXd& effects) const {
-  const Eigen::LLT<Eigen::Matrix3d> N(NormalOfBoresight());
+double TimeCorrelatedErrorModel::ResidualShare(const VectorXd& effects) const {
+  const Eigen::LLT<Eigen::Matrix3d> N(BoresightNormal());
   const Eigen::Vector3d g = b_.head<3>() + prior_.gradient;
   const auto left = [&](double squares, const Eigen::Vector3d& gradient) {
     return squares - gradient.dot(N.solve(gradient));

@@ -47,7 +47,7 @@ EndModel MakeEndModel(const EstimableEffect& effect, const Flight& flight) {
 
 }  // namespace
 
-CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs) {
+CandidateEffect MakePairCandidate(const UserEffect& own, const std::vector<PairEnds>& pairs) {
   CandidateEffect effect;
   effect.name = own.name;
   effect.typical = own.typical;
@@ -55,21 +55,21 @@ CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs
   return effect;
 }
 
-CandidateEffect OnPairs(const EstimableEffect& effect, const Flight& flight,
-                        const std::vector<PairEnds>& pairs) {
+CandidateEffect MakePairCandidate(const EstimableEffect& effect, const Flight& flight,
+                                  const std::vector<PairEnds>& pairs) {
   CandidateEffect candidate = DescribeEffect(effect);
   candidate.model = MakeEffectModel(pairs, MakeEndModel(effect, flight));
   return candidate;
 }
 
-std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
-                                              const std::vector<PairEnds>& pairs) {
+std::vector<CandidateEffect> MakeScannerEffects(const Flight& flight,
+                                                const std::vector<PairEnds>& pairs) {
   std::vector<CandidateEffect> effects;
   for (const EstimableEffect& effect : EstimableEffects()) {
     const bool of_mount =
         effect.id == EffectId::kBoresightDrift || effect.id == EffectId::kBoresightStep;
     if (EffectRow(effect.id).sensor != EffectSensor::kLidar || of_mount) continue;
-    effects.push_back(OnPairs(effect, flight, pairs));
+    effects.push_back(MakePairCandidate(effect, flight, pairs));
     effects.back().remedy += " with the dynamic network";
   }
   return effects;

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using internal::AwayFromStated;
+using internal::DeviationFromPrior;
 
 // Half the step of the numerical derivatives with respect to time.
 constexpr double kHalfStep_s = 5e-3;
@@ -27,7 +27,7 @@ class PointVelocity {
   explicit PointVelocity(const Flight& flight)
       : first_s_(flight.trajectory->points().front().t_s),
         last_s_(flight.trajectory->points().back().t_s),
-        poses_(flight.trajectory->InMap(flight.frame)) {}
+        poses_(flight.trajectory->ToMapPoses(flight.frame)) {}
 
   Vector3d At(double t_s, const Vector3d& s_b) const {
     const double t0_s = std::max(first_s_, t_s - kHalfStep_s);
@@ -66,7 +66,7 @@ BoresightPrior MakeBoresightPrior(const GaussHelmertCalibration& calibration) {
   BoresightPrior prior;
   if (const auto& sigma_rad = calibration.problem.boresight_sigma_rad) {
     prior.weight = sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
-    prior.gradient = prior.weight * AwayFromStated(calibration);
+    prior.gradient = prior.weight * DeviationFromPrior(calibration);
   }
   return prior;
 }
@@ -90,7 +90,7 @@ class Lineariser {
     for (std::size_t k = 0; k < calibration_.problem.pairs.size(); ++k) {
       if (calibration_.adjustment.weights[k] > 0.0 && seen++ % every == 0) Add(k);
     }
-    if (all_ > 0.0) out_.share_of_pairs = own_ / all_;
+    if (all_ > 0.0) out_.pair_noise_share = own_ / all_;
     return std::move(out_);
   }
 

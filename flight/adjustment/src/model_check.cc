@@ -29,11 +29,11 @@ constexpr int kWatchedNodes = 8;
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
 
-std::vector<OwnEffect> CandidateDiscrepancies(const FlightNetwork& network) {
+std::vector<UserEffect> CandidateDiscrepancies(const FlightNetwork& network) {
   if (network.pair_edges.empty()) return {};
-  std::vector<OwnEffect> departures{LaserByScanAngle(network)};
+  std::vector<UserEffect> departures{LaserByScanAngle(network)};
   const std::vector<StripInterval> strips = FindStrips(network.flight());
-  if (strips.size() > 1 && strips.size() <= kMostStripsTogether) {
+  if (strips.size() > 1 && strips.size() <= kMaxJointStrips) {
     departures.push_back(LaserByStrip(strips));
   }
   return departures;
@@ -59,11 +59,11 @@ class Checker {
     tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
     CheckPriors();
     FindEffects(score);
-    const Eigen::VectorXd left = ResidualBesideEffects();
-    check_.sigma0_beside_effects =
+    const Eigen::VectorXd left = ResidualWithEffects();
+    check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
-    CheckDepartures();
+    CheckDiscrepancies();
     CheckCommonErrors(left);
     check_.p_value = check_.SmallestPValue();
     return std::move(check_);
@@ -78,7 +78,7 @@ class Checker {
     num_channels_ = forms_.size();
     std::vector<ResidualForm> common = internal::CommonErrorForms(network_, linearized_);
     std::move(common.begin(), common.end(), std::back_inserter(forms_));
-    moments_ = MomentsOf(marginals_, forms_);
+    moments_ = ComputeFormMoments(marginals_, forms_);
   }
 
   void ListCandidates() {
@@ -125,13 +125,13 @@ class Checker {
   void CheckGroups(const Eigen::VectorXd& beside_effects) {
     for (std::size_t g = 0; g < num_channels_; ++g) {
       const ChannelFit fit =
-          DescribeChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
+          TestChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
       GroupCheck group;
       group.name = fit.name;
       group.observations = fit.observations;
       group.redundancy = fit.redundancy;
       group.variance_ratio = fit.variance_ratio;
-      group.ratio_beside_effects =
+      group.ratio_with_effects =
           forms_[g].Energy(beside_effects) / std::max(group.redundancy, 1e-12);
       group.p_value = ForFamily(fit.p_value);
       group.worst_t_s = fit.worst.row.t_s;
@@ -160,7 +160,7 @@ class Checker {
       common.sigma = std::sqrt(std::max(0.0, variance));
       const Eigen::VectorXd move =
           forms_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
-      common.damage = InSigmas(move);
+      common.max_shift_sigmas = InSigmas(move);
       if (common.p_value <= internal::kFamilyLevel) common.worst = WorstLabel(forms_[c]);
       check_.common_errors.push_back(std::move(common));
     }
@@ -188,33 +188,33 @@ class Checker {
   }
 
   void FindEffects(JointScore score) {
-    check_.rivals = internal::FindRivals(network_, marginals_, candidates_, score,
-                                         {watched_, watched_sigma_, check_.of_boresight},
-                                         internal::EffectUnknowns(network_), tests_);
+    check_.competing_effects = internal::FindCompetingEffects(
+        network_, marginals_, candidates_, score, {watched_, watched_sigma_, check_.of_boresight},
+        internal::EffectUnknowns(network_), tests_);
     score.shift.conservativeResize(watched_sigma_.size(), Eigen::NoChange);
     const internal::ScreenOptions options{tests_, watched_sigma_, check_.of_boresight};
     screen_ = internal::ScreenEffects(candidates_, score, options);
     check_.effects = screen_.effects;
-    check_.unseen = internal::FindUnseen(candidates_, score, options);
+    check_.unseen = internal::FindUndetectable(candidates_, score, options);
     FindClocks(score);
   }
 
   /// Returns the noise variance of the pairs, after the found effects, over the stated one; at
   /// least 1.
-  double ExcessOfPairs() const {
+  double PairExcess() const {
     double ratio = 1.0;
     for (const GroupCheck& group : check_.groups) {
-      if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_beside_effects);
+      if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_with_effects);
     }
     return ratio;
   }
 
-  void CheckDepartures() {
+  void CheckDiscrepancies() {
     for (std::size_t k = 0; k < departures_.size(); ++k) {
       if (departures_[k].model.empty()) continue;
-      const auto departure = internal::CheckDeparture(
+      const auto departure = internal::CheckDiscrepancy(
           departures_[k], screen_.beside, screen_.beside.Components(candidates_.size() + k),
-          ExcessOfPairs(), {tests_, watched_sigma_, check_.of_boresight});
+          PairExcess(), {tests_, watched_sigma_, check_.of_boresight});
       if (departure) check_.departures.push_back(*departure);
     }
   }
@@ -237,7 +237,7 @@ class Checker {
     };
     add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
     add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
-    check_.gnss_clock_damage = InSigmas(move);
+    check_.gnss_clock_shift = InSigmas(move);
   }
 
   /// Returns the components of a candidate in the score; empty if the effect is an unknown of the
@@ -255,7 +255,7 @@ class Checker {
     const std::vector<Eigen::Index> drift_components = CandidateComponents(drift, score);
     components.insert(components.end(), drift_components.begin(), drift_components.end());
     ScoreTest test;
-    if (!components.empty()) test = TestTogether(score, components);
+    if (!components.empty()) test = TestJointly(score, components);
     if (test.dof < static_cast<int>(components.size())) return std::nullopt;
     Eigen::Index at = 0;
     const auto take = [&](EffectId effect, double* value, double* sigma) {
@@ -279,14 +279,14 @@ class Checker {
   }
 
   /// Returns the residuals as they would be if the found effects were estimated.
-  Eigen::VectorXd ResidualBesideEffects() const {
+  Eigen::VectorXd ResidualWithEffects() const {
     if (screen_.chosen.empty()) return linearized_.residual();
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
     Eigen::Index at = 0;
     for (const std::size_t k : screen_.chosen) {
       const Eigen::Index q = candidates_[k].typical.size();
       for (const EffectPart& part : candidates_[k].model) {
-        const auto rows = linearized_.RowsOf(part.factor);
+        const auto rows = linearized_.FindRows(part.factor);
         if (!rows) continue;
         added.segment(rows->first, rows->count) +=
             std::sqrt(rows->weight) * part.L * screen_.joint.segment(at, q);

@@ -18,8 +18,12 @@ Json GroupJson(const GroupCheck& group) {
 }
 
 Json CommonErrorJson(const CommonErrorCheck& common) {
-  return {{"name", common.name},   {"ratio", common.ratio},   {"p_value", common.p_value},
-          {"sigma", common.sigma}, {"damage", common.damage}, {"explained", common.explained}};
+  return {{"name", common.name},
+          {"ratio", common.ratio},
+          {"p_value", common.p_value},
+          {"sigma", common.sigma},
+          {"damage", common.max_shift_sigmas},
+          {"explained", common.explained}};
 }
 
 Json EffectJson(const EffectCheck& effect, bool has_boresight) {
@@ -30,21 +34,21 @@ Json EffectJson(const EffectCheck& effect, bool has_boresight) {
           {"unit", effect.unit},
           {"boresight_damage_mdeg",
            has_boresight ? ToJson(effect.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
-          {"damage_sigmas", effect.damage},
+          {"damage_sigmas", effect.max_shift_sigmas},
           {"log_evidence", effect.log_evidence},
           {"inseparable_from", effect.inseparable_from}};
 }
 
-Json DepartureJson(const DepartureCheck& departure) {
+Json DepartureJson(const DiscrepancyCheck& departure) {
   return {{"name", departure.name},
           {"statistic", departure.statistic},
           {"dof", departure.dof},
           {"p_value", departure.p_value},
           {"boresight_damage_mdeg", ToJson(departure.boresight_rad * kDegPerRad * 1e3)},
-          {"damage_sigmas", departure.damage}};
+          {"damage_sigmas", departure.max_shift_sigmas}};
 }
 
-Json UnseenJson(const UnseenEffect& unseen, bool has_boresight) {
+Json UnseenJson(const UndetectableEffect& unseen, bool has_boresight) {
   const bool ever = std::isfinite(unseen.minimal_detectable);
   return {{"effect", unseen.name},
           {"component", unseen.component.empty() ? Json(nullptr) : Json(unseen.component)},
@@ -53,16 +57,16 @@ Json UnseenJson(const UnseenEffect& unseen, bool has_boresight) {
           {"unit", unseen.unit},
           {"boresight_damage_mdeg",
            has_boresight ? ToJson(unseen.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
-          {"damage_sigmas", unseen.damage}};
+          {"damage_sigmas", unseen.max_shift_sigmas}};
 }
 
-Json RivalJson(const RivalCheck& rival, bool has_boresight) {
+Json RivalJson(const CompetingEffectCheck& rival, bool has_boresight) {
   return {{"unknown", rival.unknown},
           {"rival", rival.rival},
           {"log_evidence", rival.log_evidence},
           {"boresight_difference_mdeg",
            has_boresight ? ToJson(rival.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
-          {"damage_sigmas", rival.damage}};
+          {"damage_sigmas", rival.max_shift_sigmas}};
 }
 
 template <class T, class Convert>
@@ -82,12 +86,13 @@ Json ModelCheckJson(const ModelCheck& check) {
                 [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
           {"departures", List(check.departures, DepartureJson)},
           {"unseen", List(check.unseen,
-                          [&](const UnseenEffect& unseen) {
+                          [&](const UndetectableEffect& unseen) {
                             return UnseenJson(unseen, check.of_boresight);
                           })},
-          {"rivals",
-           List(check.rivals,
-                [&](const RivalCheck& rival) { return RivalJson(rival, check.of_boresight); })},
+          {"rivals", List(check.competing_effects,
+                          [&](const CompetingEffectCheck& rival) {
+                            return RivalJson(rival, check.of_boresight);
+                          })},
           {"priors", List(check.priors,
                           [](const PriorCheck& prior) {
                             return Json{{"unknown", prior.unknown},

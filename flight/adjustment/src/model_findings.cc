@@ -15,7 +15,7 @@ namespace internal {
 namespace {
 
 // The covariance of the boresight does not cover an error above this many of its sigmas.
-constexpr double kDamageInSigmas = 1.0;
+constexpr double kMaxShiftInSigmas = 1.0;
 // Noise may be misstated by a factor of 1.4; a larger factor has another cause.
 constexpr double kLargestVarianceRatio = 2.0;
 constexpr double kLargestModelSigma0 = 3.0;
@@ -39,8 +39,8 @@ class Findings {
 
   void JudgeGnssClock(const std::optional<ClockEstimate>& clock) {
     if (!clock) return;
-    Add(facts::GnssTimeOff{*clock, check_.gnss_clock_damage, check_.of_boresight},
-        check_.gnss_clock_damage > kDamageInSigmas, kCertain);
+    Add(facts::GnssTimeOff{*clock, check_.gnss_clock_shift, check_.of_boresight},
+        check_.gnss_clock_shift > kMaxShiftInSigmas, kCertain);
   }
 
   /// `told`: a finding already reports the GNSS clock.
@@ -49,20 +49,21 @@ class Findings {
       const bool of_clock = IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
                             IsEffect(effect.name, EffectId::kGnssTimeDrift);
       if (told && of_clock) continue;
-      Add(facts::EffectPresent{effect, check_.of_boresight}, effect.damage > kDamageInSigmas,
-          effect.log_evidence);
+      Add(facts::EffectPresent{effect, check_.of_boresight},
+          effect.max_shift_sigmas > kMaxShiftInSigmas, effect.log_evidence);
     }
   }
 
-  void JudgeDepartures() {
-    for (const DepartureCheck& departure : check_.departures) {
-      if (departure.p_value <= kFamilyLevel) Add(facts::DepartureUnnamed{departure}, true, 0.0);
+  void JudgeDiscrepancies() {
+    for (const DiscrepancyCheck& departure : check_.departures) {
+      if (departure.p_value <= kFamilyLevel)
+        Add(facts::UnmodelledDiscrepancy{departure}, true, 0.0);
     }
   }
 
-  void JudgeRivals() {
-    for (const RivalCheck& rival : check_.rivals) {
-      if (rival.damage <= kDamageInSigmas) continue;
+  void JudgeCompetingEffects() {
+    for (const CompetingEffectCheck& rival : check_.competing_effects) {
+      if (rival.max_shift_sigmas <= kMaxShiftInSigmas) continue;
       Add(facts::UnknownAmbiguous{rival, check_.of_boresight}, false, kCertain);
     }
   }
@@ -70,7 +71,7 @@ class Findings {
   void JudgeGroups() {
     for (const GroupCheck& group : check_.groups) {
       if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0) continue;
-      const bool contradicts = group.ratio_beside_effects > kLargestVarianceRatio;
+      const bool contradicts = group.ratio_with_effects > kLargestVarianceRatio;
       Add(facts::VarianceTooLarge{group}, contradicts, 0.0);
     }
   }
@@ -78,7 +79,8 @@ class Findings {
   void JudgeCommonErrors() {
     for (const CommonErrorCheck& common : check_.common_errors) {
       if (common.p_value > kFamilyLevel || common.explained) continue;
-      Add(facts::ErrorsShared{common}, common.damage > kDamageInSigmas, common.log_evidence);
+      Add(facts::ErrorsShared{common}, common.max_shift_sigmas > kMaxShiftInSigmas,
+          common.log_evidence);
     }
   }
 
@@ -130,7 +132,7 @@ class Findings {
   void JudgeSigma0(double sigma0) {
     if (sigma0 <= kLargestModelSigma0) return;
     // Effects that leave most of the misfit unexplained are not its cause.
-    const bool unexplained = check_.sigma0_beside_effects > 0.5 * sigma0;
+    const bool unexplained = check_.sigma0_with_effects > 0.5 * sigma0;
     Add(facts::Sigma0TooLarge{sigma0}, true, unexplained ? kCertain : 0.0);
   }
 
@@ -169,8 +171,8 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.JudgeAttitude(network);
   findings.JudgeGnssClock(adjustment.gnss_clock);
   findings.JudgeEffects(adjustment.gnss_clock.has_value());
-  findings.JudgeDepartures();
-  findings.JudgeRivals();
+  findings.JudgeDiscrepancies();
+  findings.JudgeCompetingEffects();
   findings.JudgeCommonErrors();
   findings.JudgeSigma0(trajectory.figures.sigma0);
   findings.JudgePairsLeftOut(adjustment.outliers, static_cast<long>(network.pair_edges.size()));
@@ -189,7 +191,7 @@ void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibratio
   findings.JudgePriors();
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeEffects(false);
-  findings.JudgeDepartures();
+  findings.JudgeDiscrepancies();
   findings.JudgeSigma0(calibration.figures.sigma0 / std::sqrt(calibration.scatter.expected_ratio));
   findings.JudgePairsLeftOut(calibration.adjustment.outliers,
                              static_cast<long>(calibration.adjustment.weights.size()));
@@ -203,7 +205,7 @@ void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration
   findings.JudgeDiagnosis(config);
   findings.JudgeVectors(calibration.origin, "");
   findings.JudgeMounting(calibration.boresight.angles_rad);
-  findings.JudgeSigma0(check->sigma0_beside_effects);
+  findings.JudgeSigma0(check->sigma0_with_effects);
   findings.JudgeGroups();
   findings.Sort();
 }

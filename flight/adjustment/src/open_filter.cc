@@ -12,7 +12,7 @@ namespace {
 
 /// Returns the flight with GNSS tags corrected by the calibration, and removes the clock effects
 /// from the calibration. Returns nullopt if it has no clock effects.
-std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calibration) {
+std::optional<Flight> CorrectGnssTags(const Flight& flight, CalibrationState* calibration) {
   const auto of_clock = [&](const CalibrationValue& effect) {
     return IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
            IsEffect(effect.name, EffectId::kGnssTimeDrift);
@@ -29,7 +29,7 @@ std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calib
 
 /// Adds the variance that random walks have gained by the end of the flight; their prior holds at
 /// its beginning.
-void OpenRandomWalks(const ImuModel& model, double duration_s, FilterState* state) {
+void AddRandomWalkVariance(const ImuModel& model, double duration_s, FilterState* state) {
   constexpr Eigen::Index kFirstProcess = 9;
   Eigen::Index row = kFirstProcess;
   for (const auto* processes : {&model.gyro.processes, &model.accel.processes}) {
@@ -45,31 +45,32 @@ void OpenRandomWalks(const ImuModel& model, double duration_s, FilterState* stat
 
 }  // namespace
 
-Eigen::Vector3d OpenAttitudeSigma() {
+Eigen::Vector3d DiffuseAttitudeSigma() {
   return {2.0 * kRadPerDeg, 2.0 * kRadPerDeg, 5.0 * kRadPerDeg};
 }
 
-OpenFilter::OpenFilter(const Adjustment& adjustment) : network_(*adjustment.network) {
+DiffusePriorFilter::DiffusePriorFilter(const Adjustment& adjustment)
+    : network_(*adjustment.network) {
   CalibrationState calibration = network_.Calibration();
-  at_epochs_ = AtGnssEpochs(network_.flight(), &calibration);
+  at_epochs_ = CorrectGnssTags(network_.flight(), &calibration);
   options_.skipped_epochs = adjustment.gnss_rejected;
   options_.calibration = calibration;
   const TimeInterval span = NetworkSpan(flight(), false);
   times_ = NodeTimes(*flight().imu, span, GnssTimes(flight(), span), {}, {});
 }
 
-FilterState OpenFilter::StartAt(double t_s) const {
+FilterState DiffusePriorFilter::StartAt(double t_s) const {
   const std::size_t k = NodeBefore(network_.node_times(), t_s + 1e-6);
   return MakeFilterState(flight(), network_.NodePose(k), network_.GyroBias(t_s),
-                         network_.AccelBias(t_s), OpenAttitudeSigma(),
+                         network_.AccelBias(t_s), DiffuseAttitudeSigma(),
                          3.0 * TypicalGnssSigma(flight()), 1.0);
 }
 
-DirectedRun OpenFilter::Run(FilterDirection direction) const {
+DirectedRun DiffusePriorFilter::Run(FilterDirection direction) const {
   const bool reverse = direction == FilterDirection::kReverse;
   FilterState start = StartAt(reverse ? times_.back() : times_.front());
   if (reverse) {
-    OpenRandomWalks(flight().config.imu->model, times_.back() - times_.front(), &start);
+    AddRandomWalkVariance(flight().config.imu->model, times_.back() - times_.front(), &start);
   }
   return RunFilter(flight(), times_, start, direction, options_);
 }

@@ -11,11 +11,11 @@ namespace dn::internal {
 /// A filter that starts at either end of the adjusted trajectory with a diffuse prior. It uses the
 /// calibration of the adjustment and the GNSS data that the adjustment has kept. The adjustment
 /// must outlive it.
-class OpenFilter {
+class DiffusePriorFilter {
  public:
-  explicit OpenFilter(const Adjustment& adjustment);
-  OpenFilter(const OpenFilter&) = delete;
-  OpenFilter& operator=(const OpenFilter&) = delete;
+  explicit DiffusePriorFilter(const Adjustment& adjustment);
+  DiffusePriorFilter(const DiffusePriorFilter&) = delete;
+  DiffusePriorFilter& operator=(const DiffusePriorFilter&) = delete;
 
   DirectedRun Run(FilterDirection direction) const;
 
@@ -33,6 +33,6 @@ class OpenFilter {
 };
 
 /// Returns the initial standard deviations of roll, pitch and heading, rad.
-Eigen::Vector3d OpenAttitudeSigma();
+Eigen::Vector3d DiffuseAttitudeSigma();
 
 }  // namespace dn::internal

@@ -22,7 +22,7 @@ class Columns {
         threads_(threads),
         lidar_(PairCalibration(calibration).lidar()),
         gravitation_(network.nodes.size()) {
-    for (const std::size_t e : EffectsOfPairs(calibration)) {
+    for (const std::size_t e : PairEffectIndices(calibration)) {
       values_.push_back(calibration.effects[e].value.data());
       num_values_ += calibration.effects[e].value.size();
     }
@@ -34,24 +34,24 @@ class Columns {
       const FlightNetwork::PairEdge& edge = network_.pair_edges[k];
       const FactorRecord& record = network_.net.factor(edge.id);
       if (!record.active || record.factor->residual_size() != 3) continue;
-      columns_[k].setZero(3, kColumnOfPairEffects + num_values_);
+      columns_[k].setZero(3, kPairEffectsColumn + num_values_);
       ComputeGravitationAt(edge.node_i);
       ComputeGravitationAt(edge.node_j);
     }
     network_.ForPairEnds(
         calibration_, means_, threads_,
-        [&](const FlightNetwork::EndOfPair& end, const Preintegrated& to) { Add(end, to); });
+        [&](const FlightNetwork::PairEndIndex& end, const Preintegrated& to) { Add(end, to); });
     return std::move(columns_);
   }
 
  private:
   void ComputeGravitationAt(std::size_t node) {
     if (!gravitation_[node]) {
-      gravitation_[node] = AttractionBases(calibration_, network_.NodePose(node).p_mb);
+      gravitation_[node] = GravitationJacobians(calibration_, network_.NodePose(node).p_mb);
     }
   }
 
-  void Add(const FlightNetwork::EndOfPair& end, const Preintegrated& increments) {
+  void Add(const FlightNetwork::PairEndIndex& end, const Preintegrated& increments) {
     Matrix3Xd& columns = columns_[end.k];
     if (columns.cols() == 0) return;
     const FlightNetwork::PairEdge& edge = network_.pair_edges[end.k];
@@ -60,15 +60,15 @@ class Columns {
     const LidarReading reading =
         Corrected(lidar_, values_.data(), first ? edge.pair.t_i_s : edge.pair.t_j_s,
                   first ? edge.pair.u_i_s : edge.pair.u_j_s);
-    const PointSensitivity point = network_.SensitivityOfEnd(end);
+    const PointSensitivity point = network_.EndSensitivity(end);
     Matrix3Xd end_columns = Matrix3Xd::Zero(3, columns.cols());
-    end_columns.middleCols<3>(kColumnOfLeverArm) = point.lever_arm;
-    end_columns.col(kColumnOfTimeOffset) = point.delay;
-    AddByEffects(point,
-                 {reading, increments.J_effects, bridge ? &whole_[*bridge] : nullptr,
-                  *gravitation_[first ? edge.node_i : edge.node_j]},
-                 network_.flight().config.lidar->mounting.R_bs_nominal,
-                 end_columns.rightCols(num_values_));
+    end_columns.middleCols<3>(kLeverArmColumn) = point.lever_arm;
+    end_columns.col(kTimeOffsetColumn) = point.delay;
+    AddEffectJacobians(point,
+                       {reading, increments.J_effects, bridge ? &whole_[*bridge] : nullptr,
+                        *gravitation_[first ? edge.node_i : edge.node_j]},
+                       network_.flight().config.lidar->mounting.R_bs_nominal,
+                       end_columns.rightCols(num_values_));
     // The two ends of a pair may arrive in either order; a sum of two terms does not depend on it.
     const std::lock_guard lock(adding_[end.k % adding_.size()]);
     columns += end_columns;
@@ -83,7 +83,7 @@ class Columns {
   // Values of the effects on pairs, those of the lidar first.
   std::vector<const double*> values_;
   Eigen::Index num_values_ = 0;
-  std::vector<std::optional<std::vector<AttractionBasis>>> gravitation_;  // per node with pairs
+  std::vector<std::optional<std::vector<GravitationBasis>>> gravitation_;  // per node with pairs
   std::array<std::mutex, 64> adding_;
   std::vector<Matrix3Xd> columns_;
 };

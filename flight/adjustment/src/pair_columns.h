@@ -8,15 +8,14 @@
 namespace dn::internal {
 
 /// First columns of PairColumns.
-inline constexpr Eigen::Index kColumnOfLeverArm = 0, kColumnOfTimeOffset = 3,
-                              kColumnOfPairEffects = 4;
+inline constexpr Eigen::Index kLeverArmColumn = 0, kTimeOffsetColumn = 3, kPairEffectsColumn = 4;
 
 /// Returns the derivatives of the pair residuals by the lidar's lever arm, its time offset, and the
-/// effects of a calibration (EffectsOfPairs), as columns in this order.
+/// effects of a calibration (PairEffectIndices), as columns in this order.
 ///
 /// There is one matrix per pair edge. It is empty for an inactive edge, and for one whose residual
 /// is not a difference of two points. `means` are averaged samples for the derivatives of the
-/// increments (MeansOver). `whole` has, for each inertial edge that pairs use, the derivatives of
+/// increments (AverageSamples). `whole` has, for each inertial edge that pairs use, the derivatives of
 /// its rotation increment by the inertial effects.
 std::vector<Eigen::Matrix3Xd> PairColumns(const FlightNetwork& network,
                                           const CalibrationState& calibration, const ImuData& means,

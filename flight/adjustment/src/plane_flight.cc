@@ -44,21 +44,21 @@ facts::AttitudeInPairs AttitudeErrors(const PlaneCalibration& calibration) {
                        std::max(1.0, calibration.scatter.trajectory.attitude_ratio);
   double change2 = 0.0, noise2 = 0.0, n = 0.0;
   const PlaneAdjustment& adjustment = calibration.adjustment;
-  ForKept(
-      calibration, [&](const SeenPlane& plane, const PlaneState& state, const PlanePoint& point) {
-        const PlanePointLinearisation at =
-            LinearisePlanePoint(point, plane.sigma_m, calibration.problem.lever_arm_b_m,
-                                adjustment.boresight_rad, adjustment.range_offset_m, state);
-        const Vector3d down_b = point.end.q_mb.conjugate() * (point.end.q_mn * Vector3d::UnitZ());
-        const Eigen::Matrix3d F = BodyFromEulerRates(down_b) * fact.sigma_rph_rad.asDiagonal();
-        change2 += (F.transpose() * at.J_phi).squaredNorm();
-        noise2 += plane.sigma_m * plane.sigma_m;
-        n += 1.0;
-      });
+  ForKept(calibration, [&](const ObservedPlane& plane, const PlaneState& state,
+                           const PlanePoint& point) {
+    const PlanePointLinearisation at =
+        LinearisePlanePoint(point, plane.sigma_m, calibration.problem.lever_arm_b_m,
+                            adjustment.boresight_rad, adjustment.range_offset_m, state);
+    const Vector3d down_b = point.end.q_mb.conjugate() * (point.end.q_mn * Vector3d::UnitZ());
+    const Eigen::Matrix3d F = BodyFromEulerRates(down_b) * fact.sigma_rph_rad.asDiagonal();
+    change2 += (F.transpose() * at.J_phi).squaredNorm();
+    noise2 += plane.sigma_m * plane.sigma_m;
+    n += 1.0;
+  });
   fact.change_m = std::sqrt(change2 / n);
   fact.pair_sigma_m = std::sqrt(noise2 / n);
   fact.range_m = calibration.mean_range_m;
-  fact.size = internal::SizeOfAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
+  fact.size = internal::ClassifyAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
   return fact;
 }
 
@@ -78,8 +78,8 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
   if (!diversity.sufficient()) {
     boresight.reasons.push_back({facts::StripsAlike{diversity.strips}});
   }
-  internal::AddWhyWider(calibration->scatter.trajectory, calibration->accuracy,
-                        calibration->constant_rad2, &boresight);
+  internal::AddWideningReason(calibration->scatter.trajectory, calibration->accuracy,
+                              calibration->constant_rad2, &boresight);
   for (const EstimateEntry& entry : flight.config.estimate) {
     if (entry.unknown == "boresight" || IsEffect(entry.unknown, kRangeOffset)) continue;
     boresight.reasons.push_back({facts::NotEstimated{entry.unknown,
@@ -91,9 +91,10 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
 ModelCheck Check(const FlightConfig& config, const PlaneCalibration& calibration) {
   ModelCheck check;
   check.of_boresight = true;
-  check.groups.push_back(internal::GroupOf("lidar planes", calibration.figures.correspondences,
-                                           calibration.figures, calibration.scatter.trajectory));
-  check.sigma0_beside_effects =
+  check.groups.push_back(
+      internal::MakeGroupCheck("lidar planes", calibration.figures.correspondences,
+                               calibration.figures, calibration.scatter.trajectory));
+  check.sigma0_with_effects =
       calibration.figures.sigma0 / std::sqrt(calibration.scatter.trajectory.expected_ratio);
   check.p_value = check.SmallestPValue();
   internal::AddFindings(config, calibration, &check);
@@ -121,7 +122,7 @@ void FillUnknowns(PlaneCalibration* calibration) {
 
 std::vector<const GaussHelmertEnd*> KeptEnds(const PlaneCalibration& calibration) {
   std::vector<const GaussHelmertEnd*> ends;
-  ForKept(calibration, [&](const SeenPlane&, const PlaneState&, const PlanePoint& point) {
+  ForKept(calibration, [&](const ObservedPlane&, const PlaneState&, const PlanePoint& point) {
     ends.push_back(&point.end);
   });
   return ends;
@@ -135,7 +136,7 @@ double MeanRange(const std::vector<const GaussHelmertEnd*>& ends) {
 
 }  // namespace
 
-PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> planes) {
+PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<ObservedPlane> planes) {
   internal::CheckEstimate(flight.config, "the plane adjustment");
   const LidarConfig& lidar = *flight.config.lidar;
   PlaneProblem problem;
@@ -168,7 +169,7 @@ void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found) {
       adjustment.planes_kept, weakest, kMinSpread));
 }
 
-PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> planes,
+PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane> planes,
                                  const GaussHelmertFlightOptions& options) {
   const auto stage = [&](const std::string& name) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
@@ -200,8 +201,8 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
   calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);
   calibration.accuracy = internal::ReadAccuracyAt(flight, ends);
   calibration.scatter =
-      EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
-                                internal::MakeScatterOptions(calibration.accuracy, strips));
+      EstimateCorrelatedErrorCovariance(calibration.problem, calibration.adjustment,
+                                        internal::MakeScatterOptions(calibration.accuracy, strips));
   internal::FillBoresight(calibration.scatter.trajectory, &calibration);
   FillFigures(&calibration);
   FillUnknowns(&calibration);

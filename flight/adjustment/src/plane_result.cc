@@ -7,7 +7,7 @@ namespace {
 
 Json StripsJson(const PlaneAdjustment& adjustment, const std::vector<std::string>& strips) {
   Json json = Json::object();
-  for (const auto& [pair, planes] : adjustment.planes_of_strips) {
+  for (const auto& [pair, planes] : adjustment.planes_by_strips) {
     json[strips.at(static_cast<std::size_t>(pair.first)) + "-" +
          strips.at(static_cast<std::size_t>(pair.second))] = planes;
   }

@@ -43,7 +43,7 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
 // prior. The first ones are left out, until the filter has converged.
 void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   constexpr double kSettleS = 30.0;
-  const internal::OpenFilter filter(adjustment);
+  const internal::DiffusePriorFilter filter(adjustment);
   const FilterRun run = filter.Run(FilterDirection::kForward);
   const double settled_s = filter.times().front() + kSettleS;
   const std::vector<std::string> axes{"east", "north", "up"};
@@ -130,7 +130,7 @@ Eigen::Matrix3d TotalBiasCovariance(const std::vector<ProcessChain>& chains, dou
       const BlockId id_b = b.At(t_s).id;
       if (id_a == id_b) {
         covariance += marginals.DiagonalBlock(id_a);
-      } else if (const auto block = marginals.PatternBlock(id_a, id_b)) {
+      } else if (const auto block = marginals.SelectedCovariance(id_a, id_b)) {
         covariance += *block;
       }
     }

@@ -131,7 +131,7 @@ Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& c
 
 Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration) {
   const GaussHelmertResult& adjustment = calibration.adjustment;
-  const TrajectoryScatter& scatter = calibration.scatter;
+  const CorrelatedErrorCovariance& scatter = calibration.scatter;
   const TrajectoryAccuracy& accuracy = calibration.accuracy;
   const PoseInterpolation& interpolation = calibration.interpolation;
   return {{"rotation",
@@ -219,7 +219,8 @@ Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
   json["schema"] = "dn.smooth/1";
   json["flight"] = flight;
   json["assessment"] = {{"verdict", Word(check)}, {"reasons", Words(check.findings)}};
-  if (!trajectory.sigma.empty()) json["accuracy"] = AccuracyJson(AccuracyOf(trajectory.sigma));
+  if (!trajectory.sigma.empty())
+    json["accuracy"] = AccuracyJson(SummariseAccuracy(trajectory.sigma));
   json["adjustment"] = AdjustmentJson(trajectory.figures);
   json["innovations"] = StatisticsToJson(trajectory.innovations);
   if (!trajectory.innovations.empty()) {
@@ -267,7 +268,7 @@ Json ReferenceErrorsJson(const FlightNetwork& network) {
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     const MapPose pose = network.NodePose(k);
     if (!flight.reference->Covers(pose.t_s)) continue;
-    const MapPose truth = flight.reference->InMapAt(pose.t_s, flight.frame);
+    const MapPose truth = flight.reference->MapPoseAt(pose.t_s, flight.frame);
     const Eigen::Matrix3d R_enu_m = flight.frame.R_m_enu(truth.p_mb).transpose();
     position += (R_enu_m * (pose.p_mb - truth.p_mb)).cwiseAbs2();
     velocity += (R_enu_m * (pose.v_m - truth.v_m)).cwiseAbs2();

@@ -46,7 +46,7 @@ class Removed {
                          static_cast<double>(estimate_.size()));
   }
   double LogEvidence() const {
-    return EvidenceForm(information_, TypicalInSi(*FindEffect(name())))
+    return SizeAveragedEvidence(information_, TypicalInSi(*FindEffect(name())))
         .LogEvidence(-information_ * estimate_);
   }
 
@@ -57,22 +57,23 @@ class Removed {
 };
 
 /// A candidate that replaces an unknown.
-struct InItsPlace {
+struct Replacement {
   double log_evidence = 0.0;
   Eigen::VectorXd move;  ///< shift of the watched unknowns
 };
 
-InItsPlace PutInPlace(const CandidateEffect& candidate, const std::vector<Eigen::Index>& components,
-                      const JointScore& score, const Removed& removed, Eigen::Index first_row) {
+Replacement ReplaceUnknown(const CandidateEffect& candidate,
+                           const std::vector<Eigen::Index>& components, const JointScore& score,
+                           const Removed& removed, Eigen::Index first_row) {
   const Eigen::MatrixXd Z_k =
       score.shift(Eigen::seqN(first_row, removed.estimate().size()), components);
   const Eigen::MatrixXd A_kj = removed.information() * Z_k;
   const Eigen::VectorXd s = score.s(components) - A_kj.transpose() * removed.estimate();
   Eigen::MatrixXd A = score.A(components, components);
   A += Z_k.transpose() * A_kj;
-  InItsPlace out;
-  out.log_evidence = EvidenceForm(A, candidate.typical).LogEvidence(s);
-  A.diagonal() += (kLargestPerTypical * candidate.typical).cwiseAbs2().cwiseInverse();
+  Replacement out;
+  out.log_evidence = SizeAveragedEvidence(A, candidate.typical).LogEvidence(s);
+  A.diagonal() += (kMaxPerTypical * candidate.typical).cwiseAbs2().cwiseInverse();
   const Eigen::VectorXd estimate = -A.ldlt().solve(s);
   const Eigen::MatrixXd Z_x = score.shift(Eigen::seqN(0, removed.shift().rows()), components);
   out.move = removed.shift() * (removed.estimate() - Z_k * estimate) - Z_x * estimate;
@@ -91,11 +92,11 @@ std::vector<BlockId> EffectUnknowns(const FlightNetwork& network) {
   return unknowns;
 }
 
-std::vector<RivalCheck> FindRivals(const FlightNetwork& network, const Marginals& marginals,
-                                   const std::vector<CandidateEffect>& candidates,
-                                   const JointScore& score, const WatchedUnknowns& watched,
-                                   const std::vector<BlockId>& unknowns, double tests) {
-  std::vector<RivalCheck> rivals;
+std::vector<CompetingEffectCheck> FindCompetingEffects(
+    const FlightNetwork& network, const Marginals& marginals,
+    const std::vector<CandidateEffect>& candidates, const JointScore& score,
+    const WatchedUnknowns& watched, const std::vector<BlockId>& unknowns, double tests) {
+  std::vector<CompetingEffectCheck> competing_effects;
   Eigen::Index first_row = watched.sigma.size();
   for (const BlockId unknown : unknowns) {
     const Removed removed(network, marginals, watched, unknown);
@@ -103,20 +104,21 @@ std::vector<RivalCheck> FindRivals(const FlightNetwork& network, const Marginals
     first_row += removed.estimate().size();
     if (removed.PValue() * tests > kFamilyLevel) continue;
     const double own = removed.LogEvidence();
-    std::optional<RivalCheck> farthest;
+    std::optional<CompetingEffectCheck> farthest;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       if (candidates[k].name == removed.name()) continue;
-      const InItsPlace other = PutInPlace(candidates[k], score.Components(k), score, removed, row);
-      if (other.log_evidence < own - kAsLikelyNats) continue;
-      const double damage = other.move.cwiseQuotient(watched.sigma).cwiseAbs().maxCoeff();
-      if (farthest && damage <= farthest->damage) continue;
+      const Replacement other =
+          ReplaceUnknown(candidates[k], score.Components(k), score, removed, row);
+      if (other.log_evidence < own - kEquallyLikelyNats) continue;
+      const double max_shift_sigmas = other.move.cwiseQuotient(watched.sigma).cwiseAbs().maxCoeff();
+      if (farthest && max_shift_sigmas <= farthest->max_shift_sigmas) continue;
       farthest = {removed.name(), candidates[k].name, other.log_evidence - own,
-                  Eigen::Vector3d::Zero(), damage};
+                  Eigen::Vector3d::Zero(), max_shift_sigmas};
       if (watched.of_boresight) farthest->boresight_rad = other.move;
     }
-    if (farthest) rivals.push_back(std::move(*farthest));
+    if (farthest) competing_effects.push_back(std::move(*farthest));
   }
-  return rivals;
+  return competing_effects;
 }
 
 }  // namespace dn::internal

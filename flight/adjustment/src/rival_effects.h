@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/builder/flight_network.h>
 #include <dn/adjustment/candidate_effects.h>
 #include <dn/adjustment/checks.h>
+#include <dn/builder/flight_network.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/score_test.h>
 
@@ -35,9 +35,9 @@ struct WatchedUnknowns {
 /// `score` is that of the candidates; its shift has the watched blocks and then `unknowns`. Only
 /// unknowns whose estimates are significant at kFamilyLevel, with `tests` tests in the family, are
 /// examined.
-std::vector<RivalCheck> FindRivals(const FlightNetwork& network, const Marginals& marginals,
-                                   const std::vector<CandidateEffect>& candidates,
-                                   const JointScore& score, const WatchedUnknowns& watched,
-                                   const std::vector<BlockId>& unknowns, double tests);
+std::vector<CompetingEffectCheck> FindCompetingEffects(
+    const FlightNetwork& network, const Marginals& marginals,
+    const std::vector<CandidateEffect>& candidates, const JointScore& score,
+    const WatchedUnknowns& watched, const std::vector<BlockId>& unknowns, double tests);
 
 }  // namespace dn::internal

@@ -7,7 +7,7 @@ namespace dn::internal {
 
 /// Returns the loss that the configuration names, with the width of `usual`; returns `usual` if it
 /// names none.
-inline Loss LossOf(RobustKind configured, const Loss& usual) {
+inline Loss ConfiguredLoss(RobustKind configured, const Loss& usual) {
   switch (configured) {
     case RobustKind::kHuber:
       return {Loss::Type::kHuber, usual.width};

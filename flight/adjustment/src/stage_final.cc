@@ -7,17 +7,17 @@ namespace {
 
 constexpr const char* kName = "final least squares";
 // Bias change (in the units of BiasChange) below which integrating again changes nothing.
-constexpr double kRelinearised = 0.02;
+constexpr double kMaxBiasChange = 0.02;
 
 }  // namespace
 
 void SolveFinally(AdjustmentRun& run) {
   run.SetGnssLoss({});
   run.SetPairLoss({});
-  for (int k = 0; k <= internal::kMaxRelinearisations; ++k) {
-    const bool as_linearised = run.network().BiasChange() < kRelinearised;
-    if (k > 0 && as_linearised) break;
-    if (!as_linearised) run.network().Relinearise();
+  for (int k = 0; k <= internal::kMaxRepreintegrations; ++k) {
+    const bool biases_unchanged = run.network().BiasChange() < kMaxBiasChange;
+    if (k > 0 && biases_unchanged) break;
+    if (!biases_unchanged) run.network().Repreintegrate();
     run.Solve(kName, run.options().max_iterations, AdjustmentRun::kFinalSigmas);
   }
   if (run.result().converged) return;

@@ -40,7 +40,7 @@ constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnss
 constexpr const char* kScreened = "INS/GNSS, screened";
 
 // Counts of the positions and velocities left out; an epoch may lose one or both.
-std::string LeftOutText(const LeftOutGnss& out) {
+std::string RejectedCountsText(const LeftOutGnss& out) {
   return std::to_string(out.positions) + " GNSS positions and " + std::to_string(out.velocities) +
          " velocities";
 }
@@ -54,7 +54,7 @@ std::vector<std::size_t> RejectedGnss(const FlightNetwork& network) {
   return epochs;
 }
 
-bool TooManyOut(const std::vector<std::size_t>& rejected, const FlightNetwork& network) {
+bool TooManyRejected(const std::vector<std::size_t>& rejected, const FlightNetwork& network) {
   return static_cast<double>(rejected.size()) >
          kLargestRejectedShare * static_cast<double>(network.gnss_edges.size());
 }
@@ -63,12 +63,13 @@ bool TooManyOut(const std::vector<std::size_t>& rejected, const FlightNetwork& n
 void CountRejected(AdjustmentRun& run) {
   std::vector<std::size_t>& rejected = run.result().gnss_rejected;
   rejected = RejectedGnss(run.network());
-  if (!TooManyOut(rejected, run.network())) return;
+  if (!TooManyRejected(rejected, run.network())) return;
   const std::size_t all = run.network().gnss_edges.size();
   const MapGnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
   throw SensorsContradict("GNSS and inertial data contradict each other at " +
                               std::to_string(rejected.size()) + " of " + std::to_string(all) +
-                              " GNSS epochs (" + LeftOutText(CountLeftOutGnss(run.network())) +
+                              " GNSS epochs (" +
+                              RejectedCountsText(CountLeftOutGnss(run.network())) +
                               "), first at t = " + FormatDouble(first.t_s) + " s: ",
                           "a clock that steps, a changed reference, wrong time tags or wrong "
                           "axes; correct the data, or limit time_span_s to the good part",
@@ -107,7 +108,7 @@ void ExpectNearClock(AdjustmentRun& run) {
 
 // Returns the largest ratio, over the axes, of time-correlated to white variance at the first
 // epoch.
-double LastingOverWhite(const GnssProcess& process, const Flight& flight) {
+double CorrelatedOverWhite(const GnssProcess& process, const Flight& flight) {
   const Eigen::Matrix3d& R_m_enu = flight.gnss->epochs.front().R_m_enu;
   const Eigen::Matrix3d white =
       GnssPositionCovariance(flight.gnss->epochs.front(), *flight.config.gnss);
@@ -158,22 +159,22 @@ class EpochScreener {
     const std::optional<GnssJump> jump =
         FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds), noise_ratio_);
     if (jump && jump->statistic > screening.Worst()) {
-      TakeOut(*jump, run_, &out_for_good_);
-    } else if (screening.Apply(out_for_good_, noise_ratio_, &network.net) == 0) {
+      TakeOut(*jump, run_, &rejected_);
+    } else if (screening.Apply(rejected_, noise_ratio_, &network.net) == 0) {
       run_.result().gnss_correlation = TestGnssCorrelation(network, marginals);
-      return run_.result().gnss_correlation.significant() && TakeLastingErrorsBack();
+      return run_.result().gnss_correlation.significant() && RestoreCorrelatedErrors();
     }
-    if (TooManyOut(RejectedGnss(network), network) && TakeLastingErrorsBack()) return true;
+    if (TooManyRejected(RejectedGnss(network), network) && RestoreCorrelatedErrors()) return true;
     run_.Solve(kScreened, run_.options().max_iterations);
     return true;
   }
 
   /// Continues with the assumed network, without the rejected epochs.
   void Finish() {
-    if (!run_.has_stand_in()) return;
+    if (!run_.has_swapped_network()) return;
     if (ClockExplains()) run_.result().gnss_clock = EstimateClockError(run_.network());
-    const std::unique_ptr<FlightNetwork> free = run_.TakeBack();
-    LeaveOutAsIn(*free, &run_.network());
+    const std::unique_ptr<FlightNetwork> free = run_.SwapNetworkBack();
+    CopyRejections(*free, &run_.network());
     run_.Solve(kScreened, run_.options().max_iterations);
   }
 
@@ -198,10 +199,10 @@ class EpochScreener {
 
   /// Restores all epochs if the rejected ones have time-correlated errors instead of outliers;
   /// returns whether it did. The bounds then allow for white noise and such errors together.
-  bool TakeLastingErrorsBack() {
+  bool RestoreCorrelatedErrors() {
     FlightNetwork& network = run_.network();
-    if (taken_back_ || RejectedGnss(network).empty()) return false;
-    taken_back_ = true;
+    if (restored_ || RejectedGnss(network).empty()) return false;
+    restored_ = true;
     std::vector<std::pair<FactorId, bool>> in_use;
     for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
       for (const FactorId id : {edge.position, edge.velocity}) {
@@ -214,24 +215,24 @@ class EpochScreener {
     Marginals marginals(network.net, {.threads = run_.options().threads});
     marginals.ComputeSelectedInverse();
     const GnssCorrelation test = TestGnssCorrelation(network, marginals);
-    const double ratio = LastingOverWhite(test.process, run_.flight());
+    const double ratio = CorrelatedOverWhite(test.process, run_.flight());
     if (!test.significant() || ratio > kLargestGnssSigma0 * kLargestGnssSigma0) {
       for (const auto& [id, active] : in_use) network.net.SetActive(id, active);
       return false;
     }
     noise_ratio_ = 1.0 + ratio;
-    out_for_good_.clear();
+    rejected_.clear();
     return true;
   }
 
   /// Continues with offset and drift of the clock as unknowns, with all epochs active.
   void FreeClock(const Eigen::VectorXd& start) {
-    out_for_good_.clear();
+    rejected_.clear();
     held_ = EvaluateCost(run_.network().net, run_.options().threads);
     CalibrationState calibration = run_.network().Calibration();
     AddTo(kOffset, start[0], &calibration);
     AddTo(kDrift, start[1], &calibration);
-    run_.StandIn(internal::NetworkAt(run_, calibration));
+    run_.SwapNetworkIn(internal::RemakeNetwork(run_, calibration));
     for (const EffectId effect : {kOffset, kDrift}) {
       run_.network().net.Hold(run_.network().net.Find(EffectName(effect)), false);
     }
@@ -269,7 +270,7 @@ class EpochScreener {
             marginals.Covariance(offset, drift)(0, 0) / (sigma_offset_s * sigma_drift)};
   }
 
-  static void LeaveOutAsIn(const FlightNetwork& other, FlightNetwork* network) {
+  static void CopyRejections(const FlightNetwork& other, FlightNetwork* network) {
     std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
     for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) of_epoch[edge.epoch] = &edge;
     for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
@@ -284,9 +285,9 @@ class EpochScreener {
   }
 
   AdjustmentRun& run_;
-  std::set<FactorId> out_for_good_;
+  std::set<FactorId> rejected_;
   double noise_ratio_ = 1.0;  // see GnssScreening::Apply
-  bool taken_back_ = false;
+  bool restored_ = false;
   CostSummary held_, free_;  // with the assumed clock and with a free one, all epochs in use
 };
 
@@ -302,11 +303,11 @@ LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
 }
 
 void SolveInsGnss(AdjustmentRun& run) {
-  run.SetGnssLoss(internal::LossOf(run.flight().config.gnss->robust, kUsualGnssLoss));
+  run.SetGnssLoss(internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
-  for (int k = 0; k < internal::kMaxRelinearisations && run.network().BiasChange() > 1.0; ++k) {
+  for (int k = 0; k < internal::kMaxRepreintegrations && run.network().BiasChange() > 1.0; ++k) {
     if (k > 0 && internal::IsHopeless(run.network())) break;  // the biases follow something else
-    run.network().Relinearise();
+    run.network().Repreintegrate();
     run.Solve("INS/GNSS, new increments", run.options().max_iterations);
   }
 }

@@ -11,10 +11,10 @@ namespace {
 
 // GnssAntenna assumes constant acceleration between node and epoch. Up to this interval, its error
 // is below a tenth of a millimetre in strong turbulence.
-constexpr double kLongestWayS = 5e-3;
-constexpr int kMostLinks = 10;
+constexpr double kMaxNodeInterval_s = 5e-3;
+constexpr int kMaxClockSteps = 10;
 
-double LongestWay(const FlightNetwork& network) {
+double LongestNodeInterval(const FlightNetwork& network) {
   const CalibrationState calibration = network.Calibration();
   double longest_s = 0.0;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
@@ -28,9 +28,10 @@ double LongestWay(const FlightNetwork& network) {
 }  // namespace
 
 void SettleGnssClock(AdjustmentRun& run) {
-  for (int k = 0; k < kMostLinks && LongestWay(run.network()) > kLongestWayS; ++k) {
+  for (int k = 0; k < kMaxClockSteps && LongestNodeInterval(run.network()) > kMaxNodeInterval_s;
+       ++k) {
     const double before = run.result().cost;
-    run.result().network = internal::NetworkAt(run, run.network().Calibration());
+    run.result().network = internal::RemakeNetwork(run, run.network().Calibration());
     SolveInsGnss(run);
     if (!internal::ClockMayExplain(run.network(), before, run.result().cost)) break;
   }

@@ -1,6 +1,6 @@
+#include <dn/adjustment/stages.h>
 #include <dn/builder/flight_nodes.h>
 #include <dn/builder/keep_in_use.h>
-#include <dn/adjustment/stages.h>
 #include <dn/imu/strapdown.h>
 #include <dn/navigation/alignment.h>
 
@@ -44,7 +44,7 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
   return initial;
 }
 
-std::vector<FilterState> StatesOf(const FlightNetwork& network) {
+std::vector<FilterState> NodeStates(const FlightNetwork& network) {
   std::vector<FilterState> states;
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     const double t_s = network.nodes[k].t_s;
@@ -58,14 +58,15 @@ std::vector<FilterState> StatesOf(const FlightNetwork& network) {
 
 namespace internal {
 
-std::unique_ptr<FlightNetwork> NetworkAt(AdjustmentRun& run, const CalibrationState& calibration) {
+std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
+                                             const CalibrationState& calibration) {
   const Flight& flight = run.flight();
   const FlightNetwork& before = run.network();
   const bool with_pairs = run.options().with_pairs;
   const std::vector<double> node_t_s =
       FlightNodeTimes(flight, NetworkSpan(flight, with_pairs, calibration), with_pairs, calibration,
                       run.inertial());
-  InitialStates initial = StatesAtNodes(flight, node_t_s, StatesOf(before));
+  InitialStates initial = StatesAtNodes(flight, node_t_s, NodeStates(before));
   initial.calibration = calibration;
   auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial, run.network_options());
   for (const EffectBlock& effect : before.effects) {
@@ -93,11 +94,12 @@ void MakeNetwork(AdjustmentRun& run) {
       run.network_options());
 }
 
-void GoToInertialRate(AdjustmentRun& run) {
+void UseInertialRate(AdjustmentRun& run) {
   if (run.inertial() == run.flight().config.network.inertial) return;
   run.Announce("inertial rate");
   run.TakeRawInertial();
-  std::unique_ptr<FlightNetwork> network = internal::NetworkAt(run, run.network().Calibration());
+  std::unique_ptr<FlightNetwork> network =
+      internal::RemakeNetwork(run, run.network().Calibration());
   if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);

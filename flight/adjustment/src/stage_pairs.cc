@@ -40,7 +40,7 @@ void AddPairs(AdjustmentRun& run) {
 }
 
 void SolvePairsRobustly(AdjustmentRun& run) {
-  run.SetPairLoss(internal::LossOf(run.flight().config.lidar->robust, kUsualPairLoss));
+  run.SetPairLoss(internal::ConfiguredLoss(run.flight().config.lidar->robust, kUsualPairLoss));
   run.Solve("lidar, robust", kRobustIterations, AdjustmentRun::kRoughSigmas);
 }
 
@@ -58,7 +58,7 @@ void RejectPairs(AdjustmentRun& run) {
   if (in_use.empty()) return;
   const double scale2 = RobustVariance(norm2);
   for (std::size_t k = 0; k < norm2.size(); ++k) {
-    if (norm2[k] <= kGrossPairNorm * kGrossPairNorm * scale2) continue;
+    if (norm2[k] <= kOutlierPairNorm * kOutlierPairNorm * scale2) continue;
     net.SetActive(in_use[k], false);
     ++run.result().outliers;
   }

@@ -17,14 +17,14 @@ std::vector<AdjustmentStage> DefaultStages(bool with_pairs) {
     stages.push_back({"lidar, robust", SolvePairsRobustly});
     stages.push_back({"pair rejection", RejectPairs});
   }
-  stages.push_back({"inertial rate", GoToInertialRate});
+  stages.push_back({"inertial rate", UseInertialRate});
   stages.push_back({"before final", AddOwnBeforeFinal});
   stages.push_back({"final least squares", SolveFinally});
   return stages;
 }
 
-std::vector<AdjustmentStage>::iterator StageNamed(const std::string& name,
-                                                  std::vector<AdjustmentStage>* stages) {
+std::vector<AdjustmentStage>::iterator FindStage(const std::string& name,
+                                                 std::vector<AdjustmentStage>* stages) {
   const auto found = std::find_if(stages->begin(), stages->end(),
                                   [&](const AdjustmentStage& stage) { return stage.name == name; });
   if (found != stages->end()) return found;

@@ -40,9 +40,9 @@ Json Rounded(const std::vector<Vector2d>& points_en_m) {
 
 }  // namespace
 
-std::vector<Swath> SwathsOfPairs(const std::vector<StripInterval>& strips,
-                                 const std::vector<PairResidual>& pairs,
-                                 const PoseInterpolator& poses) {
+std::vector<Swath> MakeSwaths(const std::vector<StripInterval>& strips,
+                              const std::vector<PairResidual>& pairs,
+                              const PoseInterpolator& poses) {
   std::vector<Reach> reaches(strips.size());
   for (const PairResidual& pair : pairs) {
     for (const double t_s : {pair.i.t_s, pair.j.t_s}) {

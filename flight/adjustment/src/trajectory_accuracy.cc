@@ -43,8 +43,8 @@ bool Covers(const TrajectoryCovariance& covariance, const Ends& ends) {
 }
 
 /// Throws InvalidInput unless the standard deviations and the covariance are the output of one run.
-void CheckOneRun(const TrajectoryCovariance& covariance, const AccuracySeries& series,
-                 const fs::path& file) {
+void CheckSameRun(const TrajectoryCovariance& covariance, const AccuracySeries& series,
+                  const fs::path& file) {
   constexpr double kTolerance = 0.01;
   for (std::size_t k = 0; k < covariance.t_s.size(); ++k) {
     const double sigma_down_m = series.At(covariance.t_s[k]).sigma_ned_m.z();
@@ -61,13 +61,13 @@ void CheckOneRun(const TrajectoryCovariance& covariance, const AccuracySeries& s
   }
 }
 
-PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
-                     const fs::path& file) {
+PoseCovariance ToMapPoses(const Flight& flight, const TrajectoryCovariance& stated,
+                          const fs::path& file) {
   PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
   for (std::size_t k = 0; k < out.t_s.size(); ++k) {
-    const NavPoint& point = flight.trajectory->PointFrom(out.t_s[k]);
-    internal::TurnPosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
-                           &out.covariance);
+    const NavPoint& point = flight.trajectory->FirstPointAtOrAfter(out.t_s[k]);
+    internal::RotatePosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
+                             &out.covariance);
   }
   try {
     out.Validate();
@@ -118,7 +118,7 @@ void AddEpochs(const Flight& flight, const TrajectoryCovariance& stated, MeanAcc
     const auto at = static_cast<Eigen::Index>(6 * k);
     const Vector3d enu2 = stated.covariance.diagonal().segment<3>(at);
     const Matrix3d attitude = stated.covariance.block<3, 3>(at + 3, at + 3);
-    const NavPoint& point = flight.trajectory->PointFrom(stated.t_s[k]);
+    const NavPoint& point = flight.trajectory->FirstPointAtOrAfter(stated.t_s[k]);
     const Vector3d down_b = point.q_nb.conjugate() * Vector3d::UnitZ();
     const Matrix3d E = BodyFromEulerRates(down_b).inverse();
     mean->Add({stated.t_s[k], Vector3d(enu2.y(), enu2.x(), enu2.z()).cwiseSqrt(),
@@ -146,18 +146,18 @@ TrajectoryAccuracy internal::ReadAccuracyAt(const Flight& flight,
   std::optional<AccuracySeries> series;
   if (files.series) series.emplace(*files.series);
   TrajectoryAccuracy accuracy;
-  accuracy.stated_by = series ? StatedBy::kSmoother : StatedBy::kDataSheet;
+  accuracy.sigma_source = series ? SigmaSource::kSmoother : SigmaSource::kDataSheet;
   accuracy.source =
       series ? files.series->filename().string() : "the section trajectory of flight.yaml";
   MeanAccuracy mean;
   if (files.covariance) {
     const TrajectoryCovariance stated = ReadTrajectoryCovariance(*files.covariance);
     if (Covers(stated, ends)) {
-      if (series) CheckOneRun(stated, *series, *files.covariance);
+      if (series) CheckSameRun(stated, *series, *files.covariance);
       if (!series) AddEpochs(flight, stated, &mean);
-      accuracy.covariance = InMap(flight, stated, *files.covariance);
+      accuracy.covariance = ToMapPoses(flight, stated, *files.covariance);
       accuracy.source = files.covariance->filename().string();
-      accuracy.stated_by = StatedBy::kSmoother;
+      accuracy.sigma_source = SigmaSource::kSmoother;
     } else if (files.named) {
       throw InvalidInput("the file does not cover the lidar data; smooth the flight again",
                          FileLocation{files.covariance->string(), 0, 0});

@@ -1,5 +1,5 @@
-#include <dn/builder/node_grid.h>
 #include <dn/adjustment/trajectory_covariance.h>
+#include <dn/builder/node_grid.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 namespace dn {
 namespace {
 
-constexpr std::size_t kMostEpochs = 64;
-constexpr std::size_t kMostEpochPairs = kMostEpochs / 2;
+constexpr std::size_t kMaxCovarianceEpochs = 64;
+constexpr std::size_t kMaxCovarianceStrips = kMaxCovarianceEpochs / 2;
 
 struct StripNode {
   std::size_t node;
@@ -37,7 +37,7 @@ std::vector<StripNode> Choose(const std::vector<double>& node_t_s,
   constexpr double kGrowth = 1.1;
   double spacing_s = 1.0;
   std::vector<StripNode> chosen = Spread(node_t_s, strips, spacing_s);
-  while (chosen.size() > kMostEpochs) {
+  while (chosen.size() > kMaxCovarianceEpochs) {
     spacing_s *= kGrowth;
     chosen = Spread(node_t_s, strips, spacing_s);
   }
@@ -50,7 +50,7 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
                                                  const Marginals& marginals,
                                                  const std::vector<StripInterval>& strips) {
   TrajectoryCovariance out;
-  if (strips.empty() || strips.size() > kMostEpochPairs) return out;
+  if (strips.empty() || strips.size() > kMaxCovarianceStrips) return out;
   const FlightNetwork& network = *adjustment.network;
   const std::vector<StripNode> chosen = Choose(network.node_times(), strips);
   const auto T = static_cast<Eigen::Index>(chosen.size());
@@ -69,7 +69,7 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
   }
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const Eigen::Vector3d p_mb = network.NodePose(chosen[k].node).p_mb;
-    internal::TurnPosition(network.flight().frame.R_m_enu(p_mb).transpose(), k, &out.covariance);
+    internal::RotatePosition(network.flight().frame.R_m_enu(p_mb).transpose(), k, &out.covariance);
   }
   out.covariance = (0.5 * (out.covariance + out.covariance.transpose())).eval();
   return out;

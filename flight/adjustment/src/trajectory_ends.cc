@@ -12,7 +12,7 @@ std::vector<MapPose> TrajectoryPoses(const Flight& flight) {
     throw InvalidInput(
         "the flight needs a trajectory and the sections lidar and trajectory of flight.yaml");
   }
-  return flight.trajectory->InMap(flight.frame);
+  return flight.trajectory->ToMapPoses(flight.frame);
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace dn::internal {
 /// their minimal detectable bias. The largest shift comes first; among candidates of one name only
 /// the one with the largest shift counts. `score` is that of the candidates, in their order, with
 /// the coordinates of the options in its shift.
-std::vector<UnseenEffect> FindUnseen(const std::vector<CandidateEffect>& candidates,
-                                     const JointScore& score, const ScreenOptions& options);
+std::vector<UndetectableEffect> FindUndetectable(const std::vector<CandidateEffect>& candidates,
+                                                 const JointScore& score,
+                                                 const ScreenOptions& options);
 
 }  // namespace dn::internal

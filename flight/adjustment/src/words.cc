@@ -76,7 +76,7 @@ std::string Say(const facts::EffectPresent& fact) {
               ? fmt::format(", which moves the boresight by {:.3g}, {:.3g}, {:.3g} mdeg", mdeg.x(),
                             mdeg.y(), mdeg.z())
               : std::string(", which moves the trajectory");
-  text += fmt::format(" ({:.1f} sigma)", effect.damage);
+  text += fmt::format(" ({:.1f} sigma)", effect.max_shift_sigmas);
   if (!effect.inseparable_from.empty()) {
     text += fmt::format("; {} would explain the data nearly as well",
                         fmt::join(effect.inseparable_from, " or "));
@@ -84,16 +84,16 @@ std::string Say(const facts::EffectPresent& fact) {
   return text + ": " + effect.remedy;
 }
 
-std::string Say(const facts::DepartureUnnamed& fact) {
-  const DepartureCheck& departure = fact.departure;
+std::string Say(const facts::UnmodelledDiscrepancy& fact) {
+  const DiscrepancyCheck& departure = fact.departure;
   return fmt::format(
       "{} show a discrepancy that no known effect explains ({}); it may move the boresight by "
       "{:.1f} sigma: run dn gap to locate it, and check the scanner's calibration and the pairs",
-      departure.name, P(departure.p_value), departure.damage);
+      departure.name, P(departure.p_value), departure.max_shift_sigmas);
 }
 
 std::string Say(const facts::UnknownAmbiguous& fact) {
-  const RivalCheck& check = fact.check;
+  const CompetingEffectCheck& check = fact.check;
   const Eigen::Vector3d mdeg = check.boresight_rad * kDegPerRad * 1e3;
   return fmt::format(
       "{} instead of {} explains the data equally well, and {} ({:.1f} sigma): find out which one "
@@ -103,7 +103,7 @@ std::string Say(const facts::UnknownAmbiguous& fact) {
       fact.moves_boresight ? fmt::format("moves the boresight by {:.3g}, {:.3g}, {:.3g} mdeg",
                                          mdeg.x(), mdeg.y(), mdeg.z())
                            : std::string("moves the trajectory"),
-      check.damage);
+      check.max_shift_sigmas);
 }
 
 std::string Say(const facts::VarianceTooLarge& fact) {
@@ -122,7 +122,8 @@ std::string Say(const facts::ErrorsShared& fact) {
   return fmt::format(
       "the residuals of {} share errors that the model takes as independent, of about {:.2g} of "
       "their sigmas ({}), which may move the result by {:.1f} sigma: {}",
-      common.name, common.sigma, P(common.p_value), common.damage, SharedErrorCause(common));
+      common.name, common.sigma, P(common.p_value), common.max_shift_sigmas,
+      SharedErrorCause(common));
 }
 
 std::string Say(const facts::PriorContradicted& fact) {
@@ -219,8 +220,8 @@ std::string Say(const facts::GnssTimeOff& fact) {
       "the GNSS time tags {} against those of the inertial data, which moves the {} ({:.1f} "
       "sigma): check the time systems of imu.file and gnss.file and correct the tags "
       "(gnss.time_offset_s for a constant offset), or estimate {}",
-      fmt::join(off, " and "), fact.moves_boresight ? "boresight" : "trajectory", fact.damage,
-      fmt::join(names, " and "));
+      fmt::join(off, " and "), fact.moves_boresight ? "boresight" : "trajectory",
+      fact.max_shift_sigmas, fmt::join(names, " and "));
 }
 
 std::string Say(const facts::InnovationSize& fact) {
@@ -242,7 +243,7 @@ GnssProcess Rounded(GnssProcess process) {
   return process;
 }
 
-std::string Say(const facts::GnssErrorsLast& fact) {
+std::string Say(const facts::GnssErrorsCorrelated& fact) {
   const GnssCorrelation& test = fact.test;
   const GnssProcess process = Rounded(test.process);
   return fmt::format(
@@ -285,7 +286,7 @@ const char* Say(facts::AttitudeInPairs::Size size) {
   switch (size) {
     case facts::AttitudeInPairs::Size::kNoise:
       return "noise level";
-    case facts::AttitudeInPairs::Size::kHeld:
+    case facts::AttitudeInPairs::Size::kCovered:
       return "tactical grade or better, covered by the stated sigmas";
     case facts::AttitudeInPairs::Size::kAbsorbed:
       break;
@@ -320,20 +321,20 @@ std::string Say(const facts::SigmasWidened& fact) {
       "the reliable sigmas are {:.1f}, {:.1f} and {:.1f} times those of the normal matrix "
       "(sigma_scaled_deg: {}), which assume independent trajectory errors at every epoch",
       fact.ratio.x(), fact.ratio.y(), fact.ratio.z(), Triple(fact.scaled_rad));
-  if (fact.times_stated) {
+  if (fact.tau_stated) {
     return text + fmt::format(
                       "; according to {} they are time-correlated, and contribute {} to the sigmas",
-                      fact.source, Triple(fact.scattered_rad));
+                      fact.source, Triple(fact.correlated_rad));
   }
   text += fmt::format(
       "; a constant attitude error of {} in roll, pitch and yaw, as stated by {}, is absorbed "
       "without showing",
       Triple(fact.constant_rad), fact.source);
-  if (fact.times_shown) {
+  if (fact.tau_shown) {
     text += fmt::format(
         ", and the pairs show errors with a correlation time of about {:.0f} s, which contribute "
         "{} to the sigmas",
-        fact.tau_s, Triple(fact.scattered_rad));
+        fact.tau_s, Triple(fact.correlated_rad));
   }
   return text;
 }

@@ -41,33 +41,33 @@ ImuCorrection CalibrationState::ImuAt(const Eigen::Vector3d& gyro_bias_radps,
   return {gyro_bias_radps, accel_bias_mps2, std::move(values)};
 }
 
-Eigen::Vector3d CalibrationState::AttractionAt(const Eigen::Vector3d& p_m) const {
+Eigen::Vector3d CalibrationState::GravitationAt(const Eigen::Vector3d& p_m) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  ForEachEffect<AttractionField>(
-      *this, [&](const AttractionField& field, const Eigen::VectorXd& value, std::size_t) {
+  ForEachEffect<GravitationField>(
+      *this, [&](const GravitationField& field, const Eigen::VectorXd& value, std::size_t) {
         sum += field(p_m) * value;
       });
   return sum;
 }
 
-std::vector<std::size_t> EffectsOfInertial(const CalibrationState& state) {
+std::vector<std::size_t> InertialEffectIndices(const CalibrationState& state) {
   std::vector<std::size_t> indices;
   Append<std::shared_ptr<const ImuEffect>>(state, &indices);
-  Append<AttractionField>(state, &indices);
+  Append<GravitationField>(state, &indices);
   return indices;
 }
 
-std::vector<std::size_t> EffectsOfGnss(const CalibrationState& state) {
+std::vector<std::size_t> GnssEffectIndices(const CalibrationState& state) {
   std::vector<std::size_t> indices;
   Append<std::shared_ptr<const GnssEffect>>(state, &indices);
   return indices;
 }
 
-std::vector<std::size_t> EffectsOfPairs(const CalibrationState& state) {
+std::vector<std::size_t> PairEffectIndices(const CalibrationState& state) {
   std::vector<std::size_t> indices;
   Append<std::shared_ptr<const LidarEffect>>(state, &indices);
   Append<std::shared_ptr<const ImuEffect>>(state, &indices);
-  Append<AttractionField>(state, &indices);
+  Append<GravitationField>(state, &indices);
   return indices;
 }
 

@@ -46,18 +46,18 @@ ImuCorrection CorrectionWith(const CalibrationState& state, const ImuCorrection&
 GnssEffects TimeCorrelatedErrors(const Flight& flight, const MapGnssEpoch& epoch) {
   GnssEffects errors;
   for (const GnssProcess& process : flight.config.gnss->processes) {
-    errors.push_back(std::make_shared<GnssError>(process, epoch.R_m_enu));
+    errors.push_back(std::make_shared<CorrelatedGnssError>(process, epoch.R_m_enu));
   }
   return errors;
 }
 
-MotionAtTag MotionAtEpoch(const Flight& flight, const MapGnssEpoch& epoch,
-                          const CalibrationState& state, const GnssEdgeInput& input,
-                          const Preintegrated& here) {
+MotionNearTag MotionAtEpoch(const Flight& flight, const MapGnssEpoch& epoch,
+                            const CalibrationState& state, const GnssEdgeInput& input,
+                            const Preintegrated& here) {
   const Eigen::Vector3d w_ie_m = flight.frame.w_ie_m();
   const MapPose& pose = input.pose;
   const Eigen::Vector3d a_m = pose.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(pose.p_mb) +
-                              state.AttractionAt(pose.p_mb) - 2.0 * w_ie_m.cross(pose.v_m);
+                              state.GravitationAt(pose.p_mb) - 2.0 * w_ie_m.cross(pose.v_m);
   return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m, epoch.t_s - pose.t_s};
 }
 
@@ -73,7 +73,7 @@ PreparedEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration,
   const MapPose& node = input.node;
   const CalibrationState& state = calibration.state();
   const LidarReading reading = calibration.Read(tag_s, u_s);
-  const double t_s = calibration.EpochOf(reading);
+  const double t_s = calibration.EmissionTime(reading);
   if (t_s < node.t_s - kEpochRoundingS) {
     throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
                        " s exceeds the " + std::to_string(kLidarTimeMarginS) +
@@ -86,8 +86,8 @@ PreparedEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration,
   out.end.u_s = u_s;
   out.end.p_nominal_m = node.p_mb;
   if (input.inertial) {
-    out.end.bridge =
-        std::make_shared<NodeBridge>(flight.frame, out.end.partial, input.inertial->increments());
+    out.end.bridge = std::make_shared<IncrementConditioning>(flight.frame, out.end.partial,
+                                                             input.inertial->increments());
   }
   const Eigen::Quaterniond q_boresight =
       reading.turn_b_rad.isZero(0.0)
@@ -170,11 +170,11 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
                                        std::move(effects), noise);
 }
 
-std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
-                                             const Eigen::Vector3d& p_m) {
-  std::vector<AttractionBasis> bases;
-  ForEachEffect<AttractionField>(
-      calibration, [&](const AttractionField& field, const Eigen::VectorXd&, std::size_t) {
+std::vector<GravitationBasis> GravitationJacobians(const CalibrationState& calibration,
+                                                   const Eigen::Vector3d& p_m) {
+  std::vector<GravitationBasis> bases;
+  ForEachEffect<GravitationField>(
+      calibration, [&](const GravitationField& field, const Eigen::VectorXd&, std::size_t) {
         bases.push_back(field(p_m));
       });
   return bases;
@@ -232,13 +232,13 @@ std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
                                                  const PairEdgeInput& input) {
   const CalibrationState& state = calibration.state();
   const PairParts parts = MakePairParts(flight, calibration, noise, input);
-  if (EffectsOfPairs(state).empty() && !parts.i.bridge && !parts.j.bridge) {
+  if (PairEffectIndices(state).empty() && !parts.i.bridge && !parts.j.bridge) {
     return std::make_shared<PointToPoint>(flight.frame, parts.i, parts.j, parts.T_bs_nominal,
                                           parts.dt_nominal_s, parts.noise_m);
   }
   return std::make_shared<PointToPointBetweenNodes>(
       flight.frame, parts.i, parts.j, parts.tag_i_s, parts.tag_j_s, parts.T_bs_nominal,
-      calibration.lidar(), AttractionBases(state, input.i.node.p_mb), parts.noise_m);
+      calibration.lidar(), GravitationJacobians(state, input.i.node.p_mb), parts.noise_m);
 }
 
 }  // namespace dn

@@ -53,17 +53,17 @@ BlockId AddVectorBlock(const std::string& name, const Eigen::VectorXd& value, Ne
 }
 
 template <int N>
-FactorId AddPriorOfSize(BlockId block, const Eigen::VectorXd& center, const Eigen::VectorXd& sigma,
-                        Network* net) {
+FactorId AddSizedPrior(BlockId block, const Eigen::VectorXd& center, const Eigen::VectorXd& sigma,
+                       Network* net) {
   const Eigen::Matrix<double, N, 1> sigmas = sigma;
   return net->Add(PriorVector<N>(center, Noise<N>::Sigma(sigmas)), Block<Vec<N>>{block});
 }
 
 FactorId AddPrior(BlockId block, const Eigen::VectorXd& center, const Eigen::VectorXd& sigma,
                   Network* net) {
-  if (center.size() == 1) return AddPriorOfSize<1>(block, center, sigma, net);
-  if (center.size() == 2) return AddPriorOfSize<2>(block, center, sigma, net);
-  return AddPriorOfSize<3>(block, center, sigma, net);
+  if (center.size() == 1) return AddSizedPrior<1>(block, center, sigma, net);
+  if (center.size() == 2) return AddSizedPrior<2>(block, center, sigma, net);
+  return AddSizedPrior<3>(block, center, sigma, net);
 }
 
 /// Returns the label of an effect of the effect table, or a plain label for a user-defined effect.
@@ -93,7 +93,7 @@ double InTypicalSizes(const CalibrationValue& before, const Eigen::VectorXd& now
 
 /// A pair end with the node to which it is attached.
 struct AttachedEnd {
-  FlightNetwork::EndOfPair end;
+  FlightNetwork::PairEndIndex end;
   std::size_t node;
   double epoch_s;
 };
@@ -104,7 +104,7 @@ std::vector<AttachedEnd> EndsInOrder(std::span<const FlightNetwork::PairEdge> ed
   std::vector<AttachedEnd> ends;
   ends.reserve(2 * edges.size());
   const auto epoch = [&](double tag_s, const Eigen::Vector3d& u_s) {
-    return calibration.EpochOf(calibration.Read(tag_s, u_s));
+    return calibration.EmissionTime(calibration.Read(tag_s, u_s));
   };
   using End = PointPairFactor::End;
   for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -231,7 +231,7 @@ void FlightNetwork::AddNodes(const InitialStates& initial) {
   }
 }
 
-double FlightNetwork::HoldingLength(const BiasProcess& process) const {
+double FlightNetwork::ConstantIntervalLength(const BiasProcess& process) const {
   switch (process.type) {
     case BiasProcess::Type::kGaussMarkov:
       return std::min(process.tau_s * options_.bias_interval_per_tau, options_.bias_interval_max_s);
@@ -250,8 +250,9 @@ void FlightNetwork::AddBiases(const InitialStates& initial) {
     const std::string triad = names.name;
     for (const BiasProcess& process : sensor.processes) {
       names.name = triad + std::to_string(chains->size());
-      chains->push_back(AddProcessChain(process, HoldOverNodes(node_t_s_, HoldingLength(process)),
-                                        names, start, &net));
+      chains->push_back(
+          AddProcessChain(process, IntervalsOverNodes(node_t_s_, ConstantIntervalLength(process)),
+                          names, start, &net));
       start.setZero();  // the first process has the whole initial value
     }
   };
@@ -282,8 +283,8 @@ void FlightNetwork::AddGnssErrors() {
     const std::size_t i = gnss_error.size();
     const double white_share =
         (least_variance / config.processes[i].sigma_enu_m.array().square()).minCoeff();
-    const double length_s = HoldingLength(process) * std::min(1.0, white_share);
-    gnss_error.push_back(AddProcessChain(process, HoldOverEpochs(epoch_t_s, length_s),
+    const double length_s = ConstantIntervalLength(process) * std::min(1.0, white_share);
+    gnss_error.push_back(AddProcessChain(process, IntervalsOverEpochs(epoch_t_s, length_s),
                                          {"gnss_error/" + std::to_string(i),
                                           "GNSS error",
                                           {"east", "north", "up"},
@@ -296,10 +297,10 @@ void FlightNetwork::AddGnssErrors() {
 }
 
 Eigen::Vector3d FlightNetwork::GyroBias(double t_s) const {
-  return SumOfProcesses(net, gyro_bias, t_s);
+  return SumProcesses(net, gyro_bias, t_s);
 }
 Eigen::Vector3d FlightNetwork::AccelBias(double t_s) const {
-  return SumOfProcesses(net, accel_bias, t_s);
+  return SumProcesses(net, accel_bias, t_s);
 }
 
 Eigen::Vector3d FlightNetwork::GnssErrorEnu(double t_s) const {
@@ -348,7 +349,7 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorOn(
   return std::make_shared<PreintegratedInertial>(
       increments, flight_->frame, p_i, net.Value(nodes[i + 1].p_mb),
       static_cast<int>(gyro_bias.size()), static_cast<int>(accel_bias.size()),
-      AttractionBases(calibration, p_i));
+      GravitationJacobians(calibration, p_i));
 }
 
 std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactor(
@@ -375,7 +376,7 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorByMean
 
 void FlightNetwork::AddInertialEdges() {
   const CalibrationState calibration = Calibration();
-  const std::vector<std::size_t> effect_indices = EffectsOfInertial(calibration);
+  const std::vector<std::size_t> effect_indices = InertialEffectIndices(calibration);
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
     inertial_edges.push_back({i, -1});
@@ -420,7 +421,7 @@ std::shared_ptr<const FactorBase> FlightNetwork::GnssVelocityFactor(
 void FlightNetwork::AddGnssEdges() {
   if (!flight_->gnss) return;
   const CalibrationState calibration = Calibration();
-  const std::vector<std::size_t> effect_indices = EffectsOfGnss(calibration);
+  const std::vector<std::size_t> effect_indices = GnssEffectIndices(calibration);
   const GnssConfig& config = *flight_->config.gnss;
   const auto& epochs = flight_->gnss->epochs;
   for (std::size_t e = 0; e < epochs.size(); ++e) {
@@ -459,7 +460,7 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
   return in_use ? in_use : InertialFactor(edge, linearised_);  // the caller has replaced the factor
 }
 
-std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
+std::vector<FlightNetwork::PairIncrements> FlightNetwork::IntegratePairIncrements(
     std::span<const PairEdge> edges, const PairCalibration& calibration) const {
   std::vector<PairIncrements> increments(edges.size());
   const auto from_node = [&](std::size_t node) {
@@ -467,7 +468,7 @@ std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
                          BiasesAt(node));
   };
   ForEnds(EndsInOrder(edges, calibration), options_.threads, from_node,
-          [&](const EndOfPair& end, Preintegrated of_end) {
+          [&](const PairEndIndex& end, Preintegrated of_end) {
             PairIncrements& of_pair = increments[end.k];
             (end.end == PointPairFactor::End::kI ? of_pair.i : of_pair.j) = std::move(of_end);
           });
@@ -475,7 +476,7 @@ std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
 }
 
 void FlightNetwork::ForPairEnds(const CalibrationState& calibration, const ImuData& imu,
-                                int threads, const UseOfEnd& use) const {
+                                int threads, const UsePairEnd& use) const {
   const PreintegrationNoise none;
   const auto from_node = [&](std::size_t node) {
     return EndIncrements(imu, calibration, none, node_t_s_[node], BiasesAt(node));
@@ -483,7 +484,8 @@ void FlightNetwork::ForPairEnds(const CalibrationState& calibration, const ImuDa
   ForEnds(EndsInOrder(pair_edges, PairCalibration(calibration)), threads, from_node, use);
 }
 
-PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const PairIncrements& increments) const {
+PairEdgeInput FlightNetwork::MakeEdgeInput(const PairEdge& edge,
+                                           const PairIncrements& increments) const {
   const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge,
                        const Preintegrated& partial) {
     return PairEndInput{NodePose(k), BiasesAt(k),
@@ -499,7 +501,7 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
   const PairCalibration pair_calibration(calibration);
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
-    const std::vector<PairIncrements> increments = IncrementsOf(some, pair_calibration);
+    const std::vector<PairIncrements> increments = IntegratePairIncrements(some, pair_calibration);
     std::vector<std::shared_ptr<const FactorBase>> made(pair_model_ ? 0 : some.size());
     ParallelFor(static_cast<int>(made.size()), options_.threads, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
@@ -507,7 +509,7 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
     });
     for (std::size_t k = 0; k < some.size(); ++k) {
       work(some[k], [&] {
-        return pair_model_ ? PairFactorOfModel(some[k], pair_calibration, increments[k])
+        return pair_model_ ? ModelPairFactor(some[k], pair_calibration, increments[k])
                            : std::move(made[k]);
       });
     }
@@ -517,14 +519,14 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
     const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
-  return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, increments));
+  return MakePairFactor(*flight_, calibration, noise_, MakeEdgeInput(edge, increments));
 }
 
-std::shared_ptr<const FactorBase> FlightNetwork::PairFactorOfModel(
+std::shared_ptr<const FactorBase> FlightNetwork::ModelPairFactor(
     const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
   auto factor = pair_model_->make(
-      *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, increments)));
+      *flight_, MakePairParts(*flight_, calibration, noise_, MakeEdgeInput(edge, increments)));
   if (dynamic_cast<const PointPairFactor*>(factor.get()) == nullptr) {
     throw InvalidInput(
         "pair model: the factor of the pair at t = " + std::to_string(edge.pair.t_i_s) +
@@ -533,10 +535,10 @@ std::shared_ptr<const FactorBase> FlightNetwork::PairFactorOfModel(
   return factor;
 }
 
-void FlightNetwork::AskForPairModel() {
+void FlightNetwork::RequestPairModel() {
   if (!options_.pair_model || pair_model_) return;
   pair_model_ = options_.pair_model(*this);
-  const std::vector<std::size_t> pair_effects = EffectsOfPairs(Calibration());
+  const std::vector<std::size_t> pair_effects = PairEffectIndices(Calibration());
   if (pair_effects.empty()) return;
   throw InvalidInput("pair model: factors of a pair model cannot estimate '" +
                      effects[pair_effects.front()].name + "'; remove it from `estimate`");
@@ -551,7 +553,7 @@ bool FlightNetwork::MovesLidarEpochs() const {
          std::any_of(effects.begin(), effects.end(), moves);
 }
 
-FlightNetwork::PairEdge FlightNetwork::HangOnNodes(const LidarPair& pair, double margin_s) const {
+FlightNetwork::PairEdge FlightNetwork::AttachToNodes(const LidarPair& pair, double margin_s) const {
   PairEdge edge;
   edge.pair = pair;
   edge.node_i = NodeBefore(node_t_s_, pair.t_i_s - margin_s);
@@ -601,11 +603,11 @@ std::vector<BlockId> FlightNetwork::PairBlocks(const PairEdge& edge) const {
 void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   const double margin_s = MovesLidarEpochs() ? kLidarTimeMarginS : -1e-7;
   const CalibrationState calibration = Calibration();
-  const std::vector<std::size_t> effect_indices = EffectsOfPairs(calibration);
-  AskForPairModel();
+  const std::vector<std::size_t> effect_indices = PairEffectIndices(calibration);
+  RequestPairModel();
   std::vector<PairEdge> edges;
   for (const LidarPair& pair : pairs) {
-    PairEdge edge = HangOnNodes(pair, margin_s);
+    PairEdge edge = AttachToNodes(pair, margin_s);
     if (edge.node_i == edge.node_j) {
       ++pairs_within_one_node;
       continue;
@@ -662,7 +664,7 @@ void FlightNetwork::Renew(FactorId id, const Make& make) {
   net.ReplaceFactor(id, std::move(factor));
 }
 
-void FlightNetwork::Relinearise() {
+void FlightNetwork::Repreintegrate() {
   linearised_ = Calibration();
   for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
     const double t_s = node_t_s_[inertial_edges[e].node_i];
@@ -673,7 +675,7 @@ void FlightNetwork::Relinearise() {
   for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
     Renew(inertial_edges[e].id, [&] { return inertial[e]; });
   }
-  const bool with_effects = !EffectsOfGnss(linearised_).empty();
+  const bool with_effects = !GnssEffectIndices(linearised_).empty();
   for (const GnssEdge& edge : gnss_edges) {
     if (with_effects) {
       Renew(edge.position, [&] { return GnssPositionFactor(edge, linearised_); });
@@ -710,7 +712,7 @@ std::vector<BlockId> FlightNetwork::StateBlocks(std::size_t k) const {
   return blocks;
 }
 
-std::vector<const double*> FlightNetwork::ValuesOfPair(std::size_t k) const {
+std::vector<const double*> FlightNetwork::PairValues(std::size_t k) const {
   std::vector<const double*> x;
   for (const BlockId id : net.factor(pair_edges[k].id).blocks) {
     x.push_back(net.block(id).value.get());
@@ -718,9 +720,9 @@ std::vector<const double*> FlightNetwork::ValuesOfPair(std::size_t k) const {
   return x;
 }
 
-PointSensitivity FlightNetwork::SensitivityOfEnd(const EndOfPair& end) const {
+PointSensitivity FlightNetwork::EndSensitivity(const PairEndIndex& end) const {
   const PairEdge& edge = pair_edges[end.k];
-  const std::vector<const double*> x = ValuesOfPair(end.k);
+  const std::vector<const double*> x = PairValues(end.k);
   const auto by = [&](const FactorBase& factor) -> std::optional<PointSensitivity> {
     const auto* points = dynamic_cast<const PointPairFactor*>(&factor);
     if (points == nullptr) return std::nullopt;
@@ -730,12 +732,12 @@ PointSensitivity FlightNetwork::SensitivityOfEnd(const EndOfPair& end) const {
   // The blocks of a user-defined factor come after the blocks of the library's factor.
   const CalibrationState calibration = Calibration();
   const PairCalibration of_pair(calibration);
-  return *by(*PairFactor(edge, of_pair, IncrementsOf({&edge, 1}, of_pair).front()));
+  return *by(*PairFactor(edge, of_pair, IntegratePairIncrements({&edge, 1}, of_pair).front()));
 }
 
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {
   const FactorRecord& record = net.factor(pair_edges[k].id);
-  const std::vector<const double*> x = ValuesOfPair(k);
+  const std::vector<const double*> x = PairValues(k);
   const auto* points = dynamic_cast<const PointPairFactor*>(record.factor.get());
   if (points == nullptr) {
     throw InvalidInput("flight network: the replacement of the pair factor at t = " +

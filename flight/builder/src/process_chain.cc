@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSameTimeS = 1e-6;
 
-double PriorSigma(const BiasProcess& process, const HeldInterval& first) {
+double PriorSigma(const BiasProcess& process, const ConstantInterval& first) {
   if (process.type != BiasProcess::Type::kRandomWalk) return process.sigma;
   return process.sigma * std::sqrt(std::max(first.t_mid_s - first.t_begin_s, 1e-3));
 }
@@ -21,15 +21,16 @@ double PriorSigma(const BiasProcess& process, const HeldInterval& first) {
 
 Block<Vec<3>> ProcessChain::At(double t_s) const { return blocks[NodeBefore(t_begin_s, t_s)]; }
 
-Eigen::Vector3d SumOfProcesses(const Network& net, const std::vector<ProcessChain>& chains,
-                               double t_s) {
+Eigen::Vector3d SumProcesses(const Network& net, const std::vector<ProcessChain>& chains,
+                             double t_s) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const ProcessChain& chain : chains) sum += net.Value(chain.At(t_s));
   return sum;
 }
 
-std::vector<HeldInterval> HoldOverNodes(const std::vector<double>& node_t_s, double length_s) {
-  std::vector<HeldInterval> intervals{{node_t_s.front(), 0.0}};
+std::vector<ConstantInterval> IntervalsOverNodes(const std::vector<double>& node_t_s,
+                                                 double length_s) {
+  std::vector<ConstantInterval> intervals{{node_t_s.front(), 0.0}};
   for (std::size_t k = 1; k + 1 < node_t_s.size(); ++k) {
     const bool next_too_late = node_t_s[k + 1] > intervals.back().t_begin_s + length_s + kSameTimeS;
     if (next_too_late) intervals.push_back({node_t_s[k], 0.0});
@@ -41,8 +42,8 @@ std::vector<HeldInterval> HoldOverNodes(const std::vector<double>& node_t_s, dou
   return intervals;
 }
 
-std::vector<HeldInterval> HoldOverEpochs(const std::vector<double>& t_s, double length_s) {
-  std::vector<HeldInterval> intervals;
+std::vector<ConstantInterval> IntervalsOverEpochs(const std::vector<double>& t_s, double length_s) {
+  std::vector<ConstantInterval> intervals;
   for (const double t : t_s) {
     const bool next = intervals.empty() || t > intervals.back().t_begin_s + length_s - kSameTimeS;
     if (next) intervals.push_back({t, t});
@@ -51,13 +52,14 @@ std::vector<HeldInterval> HoldOverEpochs(const std::vector<double>& t_s, double 
   return intervals;
 }
 
-ProcessChain AddProcessChain(const BiasProcess& process, const std::vector<HeldInterval>& intervals,
+ProcessChain AddProcessChain(const BiasProcess& process,
+                             const std::vector<ConstantInterval>& intervals,
                              const ChainNames& names, const Eigen::Vector3d& start, Network* net) {
   const bool constant = process.type == BiasProcess::Type::kRandomConstant;
   ProcessChain chain;
   chain.process = process;
   for (std::size_t k = 0; k < intervals.size(); ++k) {
-    const HeldInterval& interval = intervals[k];
+    const ConstantInterval& interval = intervals[k];
     chain.t_begin_s.push_back(interval.t_begin_s);
     chain.t_mid_s.push_back(interval.t_mid_s);
     chain.blocks.push_back(net->AddVector<3>(names.name + "/" + std::to_string(k), start));

@@ -49,7 +49,7 @@ double TimeOffset(double t_s) {
 }
 
 /// Returns the median time step of the rows.
-double StepOf(const TextTable& table) {
+double MedianTimeStep(const TextTable& table) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < table.rows(); ++i) {
     const double step = table.row(i)[0] - table.row(i - 1)[0];
@@ -230,9 +230,9 @@ void DescribeText(FileContent* content) {
   const TextTable table = ReadTextTable(content->file, {}, '#', kRowsLookedAt);
   content->columns = table.columns;
   content->time_offset_s = TimeOffset(table.row(0)[0]);
-  const double step_s = StepOf(table);
+  const double step_s = MedianTimeStep(table);
   const auto take_trajectory = [content](const TextTable& rows) {
-    content->trajectory = internal::TrajectoryColumnsOf(rows);
+    content->trajectory = internal::FindTrajectoryColumns(rows);
     if (content->trajectory) content->kind = FileKind::kTrajectory;
     return content->trajectory.has_value();
   };
@@ -245,7 +245,7 @@ void DescribeText(FileContent* content) {
              // The first rows may be at rest on the ground, without a course.
              !take_trajectory(SpacedRows(content->file))) {
     content->why = std::to_string(table.columns) + " columns, which match no known kind of file";
-    if (table.columns >= 4 && internal::CoordinatesOf(table) == "utm:") {
+    if (table.columns >= 4 && internal::FindCoordinateSystem(table) == "utm:") {
       content->why += "; for GNSS positions in a grid, set gnss.file and gnss.crs";
     }
   }
@@ -264,7 +264,7 @@ bool IsOwnFile(const fs::path& file) {
 
 }  // namespace
 
-FileContent LookAtFile(const fs::path& file) {
+FileContent InspectFile(const fs::path& file) {
   FileContent content;
   content.file = file;
   try {
@@ -293,15 +293,15 @@ FileContent LookAtFile(const fs::path& file) {
   return content;
 }
 
-std::vector<FileContent> LookAtFolder(const fs::path& folder) {
+std::vector<FileContent> InspectFolder(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    std::error_code none;  // a link may lead nowhere; LookAtFile says so
+    std::error_code none;  // a link may lead nowhere; InspectFile says so
     if (!entry.is_directory(none) && !IsOwnFile(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   std::vector<FileContent> contents;
-  for (const fs::path& file : files) contents.push_back(LookAtFile(file));
+  for (const fs::path& file : files) contents.push_back(InspectFile(file));
   return contents;
 }
 

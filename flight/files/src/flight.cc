@@ -21,9 +21,9 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(path, none);
 }
 
-FileLocation PlaceOfMaxGap(const fs::path& file) {
+FileLocation MaxGapLocation(const fs::path& file) {
   if (!IsFile(file)) return {file.string()};
-  const YamlValue root = ParseYaml(ReadWholeFile(file, kMostYamlBytes), file.string());
+  const YamlValue root = ParseYaml(ReadWholeFile(file, kMaxYamlBytes), file.string());
   return root["imu"]["max_gap_s"].where();
 }
 
@@ -92,7 +92,7 @@ class FolderReader {
     try {
       flight_.imu = ReadImu(file, imu.read);
     } catch (const InvalidConfig& e) {
-      throw InvalidConfig(e.what(), PlaceOfMaxGap(flight_.config.file));
+      throw InvalidConfig(e.what(), MaxGapLocation(flight_.config.file));
     }
     if (flight_.imu->samples.empty()) {
       throw InvalidInput("no IMU sample lies inside time_span_s",
@@ -132,7 +132,7 @@ class FolderReader {
       KeepGnssInside(covered, "gnss rows outside imu data", file, gnss);
       Count("gnss rows in " + covered.gaps,
             static_cast<long>(std::erase_if(gnss.epochs, [&](const GnssEpoch& epoch) {
-              return covered.HoleAt(epoch.t_s) != nullptr;
+              return covered.GapAt(epoch.t_s) != nullptr;
             })));
       if (gnss.epochs.empty()) {
         throw InvalidInput(
@@ -263,12 +263,12 @@ class FolderReader {
     for (const CoveredTime& covered : coverages) {
       if (!needs_.optional) {
         internal::ExpectInSpan(pairs, covered);
-        Count("pairs in " + covered.gaps, internal::DropInHoles(covered, pairs));
+        Count("pairs in " + covered.gaps, internal::DropInGaps(covered, pairs));
         continue;
       }
       const long outside = internal::CountOutside(pairs, covered);
       Count("pairs outside " + covered.what, outside);
-      Count("pairs in " + covered.gaps, internal::CountInHoles(pairs, covered));
+      Count("pairs in " + covered.gaps, internal::CountInGaps(pairs, covered));
       if (outside == 0) ++complete;
     }
     if (needs_.optional && complete == 0) internal::ExpectInSpan(pairs, coverages.front());

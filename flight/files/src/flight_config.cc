@@ -23,8 +23,9 @@ fs::path ConfigFile(const fs::path& folder_or_file) {
   if (fs::is_directory(folder_or_file)) {
     fs::path file = folder_or_file / "flight.yaml";
     if (internal::IsThere(file)) return file;
-    throw InvalidConfig("the flight folder has no flight.yaml; docs/reference/flight.yaml is an example",
-                        FileLocation{file.string(), 0, 0});
+    throw InvalidConfig(
+        "the flight folder has no flight.yaml; docs/reference/flight.yaml is an example",
+        FileLocation{file.string(), 0, 0});
   }
   if (internal::IsThere(folder_or_file)) return folder_or_file;
   throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");
@@ -32,7 +33,7 @@ fs::path ConfigFile(const fs::path& folder_or_file) {
 
 std::string ReadText(const fs::path& file) {
   try {
-    return ReadWholeFile(file, kMostYamlBytes);
+    return ReadWholeFile(file, kMaxYamlBytes);
   } catch (const InvalidInput& e) {
     throw InvalidConfig(e.what(), e.where());
   }
@@ -124,7 +125,7 @@ fs::path DataFolder(const YamlValue& key, const fs::path& folder, const FlightCo
 }
 
 // Removes control characters, which the name of a folder may have.
-std::string NameOfFolder(const fs::path& folder) {
+std::string FolderName(const fs::path& folder) {
   const fs::path full = fs::weakly_canonical(folder);
   return WithoutControls(full.filename().string());
 }
@@ -147,7 +148,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
-  config.name = root["name"] ? root["name"].Name() : NameOfFolder(config.folder);
+  config.name = root["name"] ? root["name"].Name() : FolderName(config.folder);
   return config;
 }
 

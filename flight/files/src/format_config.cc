@@ -205,7 +205,7 @@ void WriteBegin(const FlightConfig& config, Writer& out) {
   out.Key(0, "body", "FRD");
 }
 
-void WriteBeginOfFile(const FlightConfig& config, Writer& out) {
+void WriteFileHeader(const FlightConfig& config, Writer& out) {
   out.Key(0, "name", QuoteYaml(config.name));
   out.Line(0, "# Folder of the data, used if they are not in the folder of this file.");
   const std::filesystem::path folder = std::filesystem::absolute(config.folder);
@@ -299,7 +299,7 @@ std::string FormatFlightConfig(const FlightConfig& config) {
 
 std::string FormatFlightFile(const FlightConfig& config) {
   Writer out;
-  WriteBeginOfFile(config, out);
+  WriteFileHeader(config, out);
   WriteRest(config.body_is_flu ? WithBodyFlipped(config) : config, out);
   return out.Take();
 }

@@ -98,7 +98,7 @@ class StripGeoreferencer::Work {
     std::vector<Eigen::Vector2d> line_en_m;
     for (const double tag_s : EvenTimes(result_.t_begin_s, result_.t_end_s, kPosesOfLine)) {
       const double t_s = tag_s - setup_.options.time_offset_s;
-      if (setup_.paths.FateOf(t_s, reader_->has_vectors()) != PointFate::kKept) continue;
+      if (setup_.paths.FindFate(t_s, reader_->has_vectors()) != PointFate::kKept) continue;
       line_en_m.emplace_back(setup_.paths.wanted().At(t_s).p_mb.head<2>());
     }
     return line_en_m;
@@ -122,7 +122,7 @@ class StripGeoreferencer::Work {
 
   void RenewPoint(std::size_t i, StripCloud* points) {
     const double t_s = points->t_s[i] - setup_.options.time_offset_s;
-    fates_[i] = setup_.paths.FateOf(t_s, reader_->has_vectors());
+    fates_[i] = setup_.paths.FindFate(t_s, reader_->has_vectors());
     if (fates_[i] != PointFate::kKept) return;
     try {
       const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
@@ -149,7 +149,7 @@ class StripGeoreferencer::Work {
       result_.t_begin_s = std::min(result_.t_begin_s, points.t_s[i]);
       result_.t_end_s = std::max(result_.t_end_s, points.t_s[i]);
       if (fates_[i] != PointFate::kKept) {
-        ++result_.dropped[internal::ReasonOf(fates_[i])];
+        ++result_.dropped[internal::FateReason(fates_[i])];
         continue;
       }
       ++result_.kept;

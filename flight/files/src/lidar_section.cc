@@ -12,7 +12,7 @@ namespace {
 constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
 constexpr std::size_t kMostPatterns = 10000;
 constexpr double kRoundOff = 4e-16;
-constexpr double kMostAngleDeg = 180.0;
+constexpr double kMaxAngleDeg = 180.0;
 constexpr double kMaxCosineOfAxes = 1e-2;  // allows half a degree from a right angle
 
 std::string Short(double value) {
@@ -85,7 +85,7 @@ Eigen::Vector3d ReadGeoreferencing(const YamlValue& value, const Eigen::Vector3d
   }
   value.ExpectMap({"boresight_deg"});
   const Eigen::Vector3d deg = value["boresight_deg"].Vector3();
-  if (deg.cwiseAbs().maxCoeff() > kMostAngleDeg) {
+  if (deg.cwiseAbs().maxCoeff() > kMaxAngleDeg) {
     value["boresight_deg"].Fail("must lie within -180 and 180 deg");
   }
   const Eigen::Vector3d rad = deg.unaryExpr(&RadFromDeg);

@@ -20,7 +20,7 @@ std::string Seconds(double t_s) {
   return text;
 }
 
-FileLocation PlaceOf(const LidarPair& pair, const PairData& data) {
+FileLocation PairLocation(const LidarPair& pair, const PairData& data) {
   return {data.files[static_cast<std::size_t>(pair.file)].string(), pair.line, 0};
 }
 
@@ -31,25 +31,25 @@ FileLocation PlaceOf(const LidarPair& pair, const PairData& data) {
       std::string("pair epoch ") + epoch + " = " + Seconds(t_s) + " s lies outside " +
           covered.what + " (" + SpanText(covered.t_begin_s, covered.t_end_s) + ")" +
           (unit.empty() ? "; check the time system of the pair file, or remove such pairs" : unit),
-      PlaceOf(pair, data));
+      PairLocation(pair, data));
 }
 
 /// Returns the gap that contains an epoch of the pair; null if there is none.
-const ImuGap* HoleOf(const LidarPair& pair, const CoveredTime& covered) {
-  const ImuGap* hole = covered.HoleAt(pair.t_i_s);
-  return hole != nullptr ? hole : covered.HoleAt(pair.t_j_s);
+const ImuGap* PairGap(const LidarPair& pair, const CoveredTime& covered) {
+  const ImuGap* hole = covered.GapAt(pair.t_i_s);
+  return hole != nullptr ? hole : covered.GapAt(pair.t_j_s);
 }
 
-[[noreturn]] void FailInHoles(long count, const PairData& data, const CoveredTime& covered) {
+[[noreturn]] void FailInGaps(long count, const PairData& data, const CoveredTime& covered) {
   const auto first = std::find_if(data.pairs.begin(), data.pairs.end(), [&](const LidarPair& pair) {
-    return HoleOf(pair, covered) != nullptr;
+    return PairGap(pair, covered) != nullptr;
   });
-  const ImuGap& hole = *HoleOf(*first, covered);
+  const ImuGap& hole = *PairGap(*first, covered);
   throw InvalidInput(std::to_string(count) + " of " + std::to_string(data.pairs.size()) +
                          " pairs have an epoch in a gap of " + covered.what + ", the first in " +
                          SpanText(hole.t_begin_s, hole.t_end_s) +
                          "; check the time system of the pair file and the gaps of the data",
-                     PlaceOf(*first, data));
+                     PairLocation(*first, data));
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ std::string SpanText(double t_begin_s, double t_end_s) {
   return Seconds(t_begin_s) + " .. " + Seconds(t_end_s) + " s";
 }
 
-const ImuGap* CoveredTime::HoleAt(double t_s) const {
+const ImuGap* CoveredTime::GapAt(double t_s) const {
   const auto after =
       std::upper_bound(holes.begin(), holes.end(), t_s,
                        [](double t, const ImuGap& hole) { return t < hole.t_end_s; });
@@ -101,10 +101,10 @@ long CountOutside(const PairData& data, const CoveredTime& covered) {
   });
 }
 
-long CountInHoles(const PairData& data, const CoveredTime& covered) {
+long CountInGaps(const PairData& data, const CoveredTime& covered) {
   return std::count_if(data.pairs.begin(), data.pairs.end(), [&](const LidarPair& pair) {
     return covered.InSpan(pair.t_i_s) && covered.InSpan(pair.t_j_s) &&
-           HoleOf(pair, covered) != nullptr;
+           PairGap(pair, covered) != nullptr;
   });
 }
 
@@ -115,11 +115,11 @@ void ExpectInSpan(const PairData& data, const CoveredTime& covered) {
   }
 }
 
-long DropInHoles(const CoveredTime& covered, PairData& data) {
-  const long in_holes = CountInHoles(data, covered);
-  if (2 * in_holes > static_cast<long>(data.pairs.size())) FailInHoles(in_holes, data, covered);
+long DropInGaps(const CoveredTime& covered, PairData& data) {
+  const long in_holes = CountInGaps(data, covered);
+  if (2 * in_holes > static_cast<long>(data.pairs.size())) FailInGaps(in_holes, data, covered);
   return static_cast<long>(std::erase_if(
-      data.pairs, [&](const LidarPair& pair) { return HoleOf(pair, covered) != nullptr; }));
+      data.pairs, [&](const LidarPair& pair) { return PairGap(pair, covered) != nullptr; }));
 }
 
 }  // namespace dn::internal

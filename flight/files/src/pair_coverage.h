@@ -19,9 +19,9 @@ struct CoveredTime {
   std::string gaps = "gaps";  ///< name of the gaps in counts: "IMU gaps"
 
   /// Returns the gap that contains t_s; null if there is none.
-  const ImuGap* HoleAt(double t_s) const;
+  const ImuGap* GapAt(double t_s) const;
   bool InSpan(double t_s) const { return t_s >= t_begin_s && t_s <= t_end_s; }
-  bool Contains(double t_s) const { return InSpan(t_s) && HoleAt(t_s) == nullptr; }
+  bool Contains(double t_s) const { return InSpan(t_s) && GapAt(t_s) == nullptr; }
 };
 
 CoveredTime Cover(const ImuData& imu);
@@ -38,7 +38,7 @@ void AlignWeek(const CoveredTime& covered, std::vector<LidarPair>& pairs);
 long CountOutside(const PairData& data, const CoveredTime& covered);
 
 /// Returns the number of pairs inside the span with an epoch in a gap.
-long CountInHoles(const PairData& data, const CoveredTime& covered);
+long CountInGaps(const PairData& data, const CoveredTime& covered);
 
 /// Throws InvalidInput if an epoch is outside the span, with the first such epoch, its file and
 /// line, and the span.
@@ -46,7 +46,7 @@ void ExpectInSpan(const PairData& data, const CoveredTime& covered);
 
 /// Drops the pairs with an epoch in a gap and returns their number. Throws InvalidInput if they are
 /// more than half of all pairs, because the time systems then differ or the data are unusable.
-long DropInHoles(const CoveredTime& covered, PairData& data);
+long DropInGaps(const CoveredTime& covered, PairData& data);
 
 /// Returns a span as text: "381253.970 .. 381646.750 s".
 std::string SpanText(double t_begin_s, double t_end_s);

@@ -28,7 +28,7 @@ std::string AnglesText(const Eigen::Vector3d& rad) {
          " deg";
 }
 
-std::string NameOf(const StripCrs& said) {
+std::string CrsName(const StripCrs& said) {
   const std::string code = said.epsg ? "EPSG:" + std::to_string(*said.epsg) : "";
   return code.empty() ? "'" + said.text + "'" : code;
 }
@@ -78,7 +78,7 @@ std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
   return files;
 }
 
-std::vector<fs::path> NeedStripFiles(const fs::path& flight_folder) {
+std::vector<fs::path> RequireStripFiles(const fs::path& flight_folder) {
   std::vector<fs::path> files = FindStripFiles(flight_folder);
   if (!files.empty()) return files;
   throw InvalidInput(
@@ -91,14 +91,14 @@ std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
   const FileLocation where{file.string()};
   if (strips_crs == "none") return {};
   if (!said.name.empty() && said.name != strips_crs) {
-    throw InvalidConfig("the points are in " + NameOf(said) +
+    throw InvalidConfig("the points are in " + CrsName(said) +
                             ", but strips_crs of flight.yaml is " + strips_crs +
                             "; write strips_crs: " + said.name,
                         where);
   }
   if (said.name.empty() && said.epsg && strips_crs == "map") {
     throw InvalidConfig(
-        "the points are in " + NameOf(said) +
+        "the points are in " + CrsName(said) +
             ", but strips_crs of flight.yaml is map; convert them to UTM or ECEF on "
             "WGS84, and write strips_crs: utm:ZONEn or ecef",
         where);
@@ -108,7 +108,7 @@ std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
            ", its heights refer to a vertical datum; they are used as ellipsoidal heights";
   }
   if (said.name.empty() && said.epsg) {
-    return "by the header of " + file.filename().string() + ", its points are in " + NameOf(said) +
+    return "by the header of " + file.filename().string() + ", its points are in " + CrsName(said) +
            "; they are used as " + strips_crs;
   }
   return {};

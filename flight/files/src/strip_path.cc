@@ -12,12 +12,12 @@ PointFate FateBy(const CoveredTime& covered, double t_s) {
   const double aligned_s = AlignWeek(t_s, covered);
   if (aligned_s < covered.t_begin_s) return PointFate::kBefore;
   if (aligned_s > covered.t_end_s) return PointFate::kAfter;
-  return covered.HoleAt(aligned_s) != nullptr ? PointFate::kInGap : PointFate::kKept;
+  return covered.GapAt(aligned_s) != nullptr ? PointFate::kInGap : PointFate::kKept;
 }
 
 }  // namespace
 
-const char* ReasonOf(PointFate fate) {
+const char* FateReason(PointFate fate) {
   constexpr std::array<const char*, 6> kReasons{"",
                                                 "before the trajectory",
                                                 "after the trajectory",
@@ -36,7 +36,7 @@ StripPaths::StripPaths(const Trajectory& trajectory, const std::optional<Traject
   span_.t_end_s = time_span_s->y();
 }
 
-PointFate StripPaths::FateOf(double t_s, bool own_vectors) const {
+PointFate StripPaths::FindFate(double t_s, bool own_vectors) const {
   if (!span_.InSpan(AlignWeek(t_s, span_))) return PointFate::kOutsideSpan;
   const PointFate fate = FateBy(wanted_.covered, t_s);
   if (fate != PointFate::kKept || own_vectors || !other_maker_) return fate;

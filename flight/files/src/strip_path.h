@@ -16,7 +16,7 @@ namespace dn::internal {
 /// A trajectory in the map frame and the time that it covers.
 struct StripPath {
   StripPath(const Trajectory& trajectory, const LocalFrame& frame)
-      : poses(trajectory.InMap(frame)), covered(Cover(trajectory)) {}
+      : poses(trajectory.ToMapPoses(frame)), covered(Cover(trajectory)) {}
 
   MapPose At(double t_s) const { return InterpolatePose(poses, AlignWeek(t_s, covered)); }
 
@@ -28,7 +28,7 @@ struct StripPath {
 enum class PointFate { kKept, kBefore, kAfter, kInGap, kOutsideMaker, kOutsideSpan };
 
 /// Returns the name of the reason in counts.
-const char* ReasonOf(PointFate fate);
+const char* FateReason(PointFate fate);
 
 /// The trajectory for the new points, and the one from which the points of the file were computed.
 class StripPaths {
@@ -43,7 +43,7 @@ class StripPaths {
 
   /// Returns whether a point can be used. own_vectors: the file has laser vectors, so that the
   /// trajectory of its coordinates is not needed.
-  PointFate FateOf(double t_s, bool own_vectors) const;
+  PointFate FindFate(double t_s, bool own_vectors) const;
 
  private:
   StripPath wanted_;

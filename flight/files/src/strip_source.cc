@@ -25,8 +25,8 @@ struct StripSource::Setup {
         filter(options.filter),
         paths(options.trajectory, options.made_by, options.time_span_s, frame) {}
 
-  Vector3d VectorOf(const StripCloud& points, std::size_t i, double t_s,
-                    const Mounting& mounting) const {
+  Vector3d PointLaserVector(const StripCloud& points, std::size_t i, double t_s,
+                            const Mounting& mounting) const {
     if (!points.u_s.empty()) return points.u_s[i];
     return LaserVectorTo(paths.maker().At(t_s), mounting, crs.ToMap(points.p_c[i]));
   }
@@ -69,19 +69,19 @@ StripCounts StripSource::Read(const fs::path& file,
       const double t_s = points.t_s[i] - setup_->time_offset_s;
       all_begin_s = std::min(all_begin_s, t_s);
       all_end_s = std::max(all_end_s, t_s);
-      const PointFate fate = setup_->paths.FateOf(t_s, reader->has_vectors());
+      const PointFate fate = setup_->paths.FindFate(t_s, reader->has_vectors());
       if (fate != PointFate::kKept) {
-        ++counts.dropped[internal::ReasonOf(fate)];
+        ++counts.dropped[internal::FateReason(fate)];
         continue;
       }
-      if (const char* reason = WhyDropped(setup_->filter, points, i)) {
+      if (const char* reason = DropReason(setup_->filter, points, i)) {
         ++counts.dropped[reason];
         continue;
       }
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
       vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
-        vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, mounting));
+        vectors.u_s.push_back(setup_->PointLaserVector(points, i, t_s, mounting));
       } catch (const InvalidInput& e) {
         throw InvalidInput("point " + std::to_string(counts.points) + ": " + e.what(), where);
       }

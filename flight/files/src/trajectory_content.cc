@@ -49,7 +49,7 @@ Eigen::Vector3d MoveEnu(const std::string& crs, const Eigen::Vector3d& from,
 }
 
 /// Returns whether a position has a plausible size for a coordinate system.
-bool HasSizeOf(const std::string& crs, const Eigen::Vector3d& p) {
+bool HasPlausibleSize(const std::string& crs, const Eigen::Vector3d& p) {
   if (crs == "ecef") return p.norm() > kLeastEarthRadiusM && p.norm() < kMostEarthRadiusM;
   if (std::abs(p.z()) > kMostHeightM) return false;
   if (crs == "geographic") return std::abs(p.x()) <= 90.0 && std::abs(p.y()) <= 360.0;
@@ -63,7 +63,7 @@ bool HasSizeOf(const std::string& crs, const Eigen::Vector3d& p) {
 bool IsPossible(const std::string& crs, const TextTable& table) {
   std::vector<double> speeds_mps;
   for (std::size_t i = 0; i < table.rows(); ++i) {
-    if (!HasSizeOf(crs, Position(table, i))) return false;
+    if (!HasPlausibleSize(crs, Position(table, i))) return false;
     if (i == 0) continue;
     const double step_s = table.row(i)[0] - table.row(i - 1)[0];
     if (!(step_s > 0.0)) continue;
@@ -142,18 +142,18 @@ bool PointsUp(const TextTable& table, Attitude convention) {
 
 }  // namespace
 
-std::optional<std::string> CoordinatesOf(const TextTable& table) {
+std::optional<std::string> FindCoordinateSystem(const TextTable& table) {
   for (const char* crs : {"geographic", "ecef", "utm:", "map"}) {
     if (IsPossible(crs, table)) return crs;
   }
   return std::nullopt;
 }
 
-std::optional<TrajectoryColumns> TrajectoryColumnsOf(const TextTable& table) {
+std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table) {
   if (table.columns != 7 && table.columns != 8) return std::nullopt;
   const bool quaternions = table.columns == 8 && EndsWithUnitQuaternion(table);
   if (table.columns == 8 && !quaternions) return std::nullopt;
-  const std::optional<std::string> crs = CoordinatesOf(table);
+  const std::optional<std::string> crs = FindCoordinateSystem(table);
   if (!crs) return quaternions ? std::optional(TrajectoryColumns{}) : std::nullopt;
   TrajectoryColumns columns;
   columns.crs = *crs;

@@ -11,13 +11,13 @@ namespace dn::internal {
 /// Returns the coordinate system of columns 2 to 4 of a text: "geographic", "ecef", "utm:" (any
 /// zone) or "map". It follows from the size of the values and from plausible speeds. Returns
 /// nullopt if no system fits.
-std::optional<std::string> CoordinatesOf(const TextTable& table);
+std::optional<std::string> FindCoordinateSystem(const TextTable& table);
 
 /// Returns the columns of a text if it is a trajectory: 8 columns that end with a unit quaternion,
 /// or 7 that end with three angles. The heading must follow the course in most of the moving rows.
-/// The coordinate system is that of CoordinatesOf; the zone of a grid cannot be determined
+/// The coordinate system is that of FindCoordinateSystem; the zone of a grid cannot be determined
 /// ("utm:"). The convention of a quaternion is the one for which the body moves forward, or
 /// north-east-down without motion. The body is FLU if its z axis points up.
-std::optional<TrajectoryColumns> TrajectoryColumnsOf(const TextTable& table);
+std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table);
 
 }  // namespace dn::internal

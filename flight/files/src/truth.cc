@@ -8,7 +8,7 @@ std::optional<Eigen::Vector3d> ReadTrueBoresightDeg(const std::filesystem::path&
   const std::filesystem::path file = folder / "truth.yaml";
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
-    return ParseYaml(ReadWholeFile(file, kMostYamlBytes), file.string())["boresight_deg"].Vector3();
+    return ParseYaml(ReadWholeFile(file, kMaxYamlBytes), file.string())["boresight_deg"].Vector3();
   } catch (const InvalidInput&) {
     return std::nullopt;
   }

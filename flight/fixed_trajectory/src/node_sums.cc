@@ -111,7 +111,7 @@ void NodeSums::OrderByComponent() {
 }
 
 EndJacobian ErrorJacobian(const GaussHelmertEnd& end, const Matrix3d& J_phi,
-                          const TrajectoryScatterOptions& options) {
+                          const TrajectoryErrorOptions& options) {
   EndJacobian J;
   if (options.covariance) {
     J << Matrix3d::Identity(), J_phi;
@@ -136,9 +136,9 @@ VectorXd NodeHeadings::heading_rad() const {
   });
 }
 
-NodeSums SumOverPairs(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
-                      BoresightModel model, const TrajectoryScatterOptions& options,
-                      const TimeNodes& nodes) {
+NodeSums SumPairConditions(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
+                           BoresightModel model, const TrajectoryErrorOptions& options,
+                           const TimeNodes& nodes) {
   NodeAccumulator sums(nodes);
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     if (result.weights[k] == 0.0) continue;

@@ -32,7 +32,7 @@ using EndJacobian = Eigen::Matrix<double, 3, 6>;
 
 /// Returns d x / d errors of a georeferenced point x. J_phi is d x / d attitude correction.
 EndJacobian ErrorJacobian(const GaussHelmertEnd& end, const Eigen::Matrix3d& J_phi,
-                          const TrajectoryScatterOptions& options);
+                          const TrajectoryErrorOptions& options);
 
 /// Accumulates the mean heading at the nodes.
 class NodeHeadings {
@@ -49,8 +49,8 @@ class NodeHeadings {
 };
 
 /// Sums J^T S J, J^T S A, J^T S w, A^T S A, A^T S w and w^T S w over the adjusted pairs.
-NodeSums SumOverPairs(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
-                      BoresightModel model, const TrajectoryScatterOptions& options,
-                      const TimeNodes& nodes);
+NodeSums SumPairConditions(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
+                           BoresightModel model, const TrajectoryErrorOptions& options,
+                           const TimeNodes& nodes);
 
 }  // namespace dn::internal

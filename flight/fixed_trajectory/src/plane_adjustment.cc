@@ -1,8 +1,8 @@
 #include <dn/error.h>
+#include <dn/fixed_trajectory/plane_adjustment.h>
 #include <dn/median.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
-#include <dn/fixed_trajectory/plane_adjustment.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -61,7 +61,7 @@ void CheckProblem(const PlaneProblem& problem) {
     throw InvalidInput("the sigma of the range offset is not positive and finite");
   }
   for (std::size_t q = 0; q < problem.planes.size(); ++q) {
-    const SeenPlane& plane = problem.planes[q];
+    const ObservedPlane& plane = problem.planes[q];
     if (!positive(plane.sigma_m)) {
       throw InvalidInput("plane " + std::to_string(q) + ": its sigma is not positive and finite");
     }
@@ -100,7 +100,7 @@ class PlaneAdjuster {
         theta_(problem.boresight_rad),
         eliminated_(problem.planes.size()) {
     result_.planes.resize(problem.planes.size());
-    for (const SeenPlane& plane : problem.planes) {
+    for (const ObservedPlane& plane : problem.planes) {
       result_.kept.emplace_back(plane.points.size(), char{1});
     }
   }
@@ -118,7 +118,7 @@ class PlaneAdjuster {
   }
 
  private:
-  const SeenPlane& Plane(std::size_t q) const { return problem_.planes[q]; }
+  const ObservedPlane& Plane(std::size_t q) const { return problem_.planes[q]; }
   std::size_t size() const { return problem_.planes.size(); }
 
   PlanePointLinearisation Linearise(std::size_t q, std::size_t k) const {
@@ -331,7 +331,7 @@ class PlaneAdjuster {
     each([&](std::size_t, std::size_t, double w) { sizes.push_back(w); });
     constexpr double kRounding = 1e-9;  // rounding error of residuals in data without noise
     const double limit =
-        std::max(kRounding, options_.point_sigmas * kSigmaOfMedian * Median(std::move(sizes)));
+        std::max(kRounding, options_.point_sigmas * kSigmaPerMedian * Median(std::move(sizes)));
     std::vector<std::pair<std::size_t, std::size_t>> dropped;
     each([&](std::size_t q, std::size_t k, double w) {
       if (w > limit) dropped.emplace_back(q, k);
@@ -365,7 +365,7 @@ class PlaneAdjuster {
       std::set<int> strips;
       ForPoints(q, [&](std::size_t k) { strips.insert(Plane(q).points[k].strip); });
       for (auto a = strips.begin(); a != strips.end(); ++a) {
-        for (auto b = std::next(a); b != strips.end(); ++b) ++result_.planes_of_strips[{*a, *b}];
+        for (auto b = std::next(a); b != strips.end(); ++b) ++result_.planes_by_strips[{*a, *b}];
       }
       const long kept = std::count(result_.kept[q].begin(), result_.kept[q].end(), char{1});
       result_.points_kept += kept;

@@ -61,7 +61,7 @@ class LocalColumns {
 class PlaneSums {
  public:
   PlaneSums(const PlaneProblem& problem, const PlaneAdjustment& result,
-            const TrajectoryScatterOptions& options, const TimeNodes& nodes)
+            const TrajectoryErrorOptions& options, const TimeNodes& nodes)
       : problem_(problem),
         result_(result),
         options_(options),
@@ -109,7 +109,7 @@ class PlaneSums {
   }
 
   void Add(std::size_t q) {
-    const SeenPlane& plane = problem_.planes[q];
+    const ObservedPlane& plane = problem_.planes[q];
     const PlaneState& state = result_.planes[q];
     Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();
     Vector3d y = Vector3d::Zero();
@@ -162,7 +162,7 @@ class PlaneSums {
 
   const PlaneProblem& problem_;
   const PlaneAdjustment& result_;
-  const TrajectoryScatterOptions& options_;
+  const TrajectoryErrorOptions& options_;
   const TimeNodes& nodes_;
   const Index errors_, unknowns_;
   NodeHeadings headings_;
@@ -184,21 +184,23 @@ std::vector<double> KeptEpochs(const PlaneProblem& problem, const PlaneAdjustmen
 
 }  // namespace
 
-PlaneScatter EstimateTrajectoryScatter(const PlaneProblem& problem, const PlaneAdjustment& result,
-                                       const TrajectoryScatterOptions& options) {
+PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& problem,
+                                                       const PlaneAdjustment& result,
+                                                       const TrajectoryErrorOptions& options) {
   options.Validate();
   if (result.kept.size() != problem.planes.size()) {
     throw InvalidInput("the adjustment has " + std::to_string(result.kept.size()) +
                        " planes, the problem " + std::to_string(problem.planes.size()));
   }
   if (!(result.chi2 > 0.0)) return {};  // all residuals are zero
-  const internal::ScatterOfSums out = internal::EstimateScatter(
+  const internal::AdjustmentErrorCovariance out = internal::EstimateFromNodeSums(
       static_cast<double>(result.redundancy), options, [&] { return KeptEpochs(problem, result); },
       [&](const TimeNodes& nodes) { return PlaneSums(problem, result, options, nodes).Run(); });
   return {out.scatter, problem.with_range_offset ? out.covariance(3, 3) : 0.0};
 }
 
-Eigen::Matrix3d ReliableCovariance(const PlaneAdjustment& result, const TrajectoryScatter& scatter,
+Eigen::Matrix3d ReliableCovariance(const PlaneAdjustment& result,
+                                   const CorrelatedErrorCovariance& scatter,
                                    const Eigen::Matrix3d& constant_rad2) {
   return ReliableVarianceFactor(result.sigma0, result.chi2, result.redundancy) *
              result.covariance_apriori_rad2 +

@@ -12,16 +12,17 @@
 namespace dn::internal {
 
 /// Covariance of all unknowns of an adjustment from time-correlated trajectory errors.
-struct ScatterOfSums {
-  TrajectoryScatter scatter;
+struct AdjustmentErrorCovariance {
+  CorrelatedErrorCovariance scatter;
   Eigen::MatrixXd covariance;  ///< covariance of all unknowns, the boresight first
 };
 
-/// Implements EstimateTrajectoryScatter for any adjustment with conditions on trajectory poses.
+/// Implements EstimateCorrelatedErrorCovariance for any adjustment with conditions on trajectory poses.
 /// `epochs_s` returns the epochs of the kept conditions; `sums` returns the sums over these
 /// conditions for the given nodes.
-ScatterOfSums EstimateScatter(double redundancy, const TrajectoryScatterOptions& options,
-                              const std::function<std::vector<double>()>& epochs_s,
-                              const std::function<NodeSums(const TimeNodes&)>& sums);
+AdjustmentErrorCovariance EstimateFromNodeSums(
+    double redundancy, const TrajectoryErrorOptions& options,
+    const std::function<std::vector<double>()>& epochs_s,
+    const std::function<NodeSums(const TimeNodes&)>& sums);
 
 }  // namespace dn::internal

@@ -25,10 +25,10 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+using internal::AdjustmentErrorCovariance;
 using internal::ErrorModel;
 using internal::ErrorProcess;
 using internal::NodeSums;
-using internal::ScatterOfSums;
 using internal::TimeNodes;
 
 constexpr double kLongestTau_s = 1000.0;  // longest correlation time that is reported
@@ -154,8 +154,8 @@ double Squared(double x) { return x * x; }
 class ScatterEstimator {
  public:
   ScatterEstimator(double redundancy, const TimeNodes& nodes, const NodeSums& sums,
-                   StatedBy stated_by)
-      : by_smoother_(stated_by == StatedBy::kSmoother),
+                   SigmaSource sigma_source)
+      : by_smoother_(sigma_source == SigmaSource::kSmoother),
         octaves_(by_smoother_ ? kSmootherOctaves : kDataSheetOctaves),
         nu_(redundancy),
         nodes_(nodes),
@@ -165,7 +165,7 @@ class ScatterEstimator {
         b_(sums.b - effect_ * sums.g),
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
-  ScatterOfSums Run() {
+  AdjustmentErrorCovariance Run() {
     for (const ErrorModel& model : by_smoother_ ? SmootherModels() : DataSheetModels()) {
       AddVarying(model);
     }
@@ -176,7 +176,7 @@ class ScatterEstimator {
   }
 
   /// Runs the estimation for errors with the covariance C times an unknown factor.
-  ScatterOfSums Run(const MatrixXd& C) {
+  AdjustmentErrorCovariance Run(const MatrixXd& C) {
     const VectorXd sigma = C.diagonal().cwiseSqrt();
     const MatrixXd R = sigma.cwiseInverse().asDiagonal() * C * sigma.cwiseInverse().asDiagonal();
     const MatrixXd L = sigma.asDiagonal() * Root(R);
@@ -373,7 +373,7 @@ class ScatterEstimator {
     return log_normal(point.s_a) + (by_smoother_ ? 0.0 : log_normal(point.s_p));
   }
 
-  ScatterOfSums Average() const {
+  AdjustmentErrorCovariance Average() const {
     const auto log_sum = [&](double GridPoint::*value) {
       double largest = -std::numeric_limits<double>::infinity();
       for (const GridPoint& point : grid_) largest = std::max(largest, point.*value);
@@ -382,7 +382,7 @@ class ScatterEstimator {
       return largest + std::log(sum);
     };
     const double evidence = log_sum(&GridPoint::log_posterior);
-    ScatterOfSums out{{}, NoEffect()};
+    AdjustmentErrorCovariance out{{}, NoEffect()};
     auto& [scatter, covariance] = out;
     double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0, half_variance = nu_;
     for (const GridPoint& point : grid_) {
@@ -503,7 +503,7 @@ void PoseCovariance::Validate() const {
   }
 }
 
-void TrajectoryScatterOptions::Validate() const {
+void TrajectoryErrorOptions::Validate() const {
   if (covariance) {
     covariance->Validate();
     return;
@@ -518,9 +518,10 @@ void TrajectoryScatterOptions::Validate() const {
   }
 }
 
-TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
-                                            const GaussHelmertResult& result, BoresightModel model,
-                                            const TrajectoryScatterOptions& options) {
+CorrelatedErrorCovariance EstimateCorrelatedErrorCovariance(const GaussHelmertProblem& problem,
+                                                            const GaussHelmertResult& result,
+                                                            BoresightModel model,
+                                                            const TrajectoryErrorOptions& options) {
   options.Validate();
   if (result.weights.size() != problem.pairs.size() ||
       result.corrections.size() != problem.pairs.size()) {
@@ -528,26 +529,27 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
                        " pairs, the problem " + std::to_string(problem.pairs.size()));
   }
   if (!(result.chi2 > 0.0)) return {};  // all misclosures are zero
-  return internal::EstimateScatter(
+  return internal::EstimateFromNodeSums(
              static_cast<double>(result.redundancy), options,
              [&] { return Epochs(problem, result.weights); },
              [&](const TimeNodes& nodes) {
-               return internal::SumOverPairs(problem, result, model, options, nodes);
+               return internal::SumPairConditions(problem, result, model, options, nodes);
              })
       .scatter;
 }
 
-ScatterOfSums internal::EstimateScatter(double redundancy, const TrajectoryScatterOptions& options,
-                                        const std::function<std::vector<double>()>& epochs_s,
-                                        const std::function<NodeSums(const TimeNodes&)>& sums) {
+AdjustmentErrorCovariance internal::EstimateFromNodeSums(
+    double redundancy, const TrajectoryErrorOptions& options,
+    const std::function<std::vector<double>()>& epochs_s,
+    const std::function<NodeSums(const TimeNodes&)>& sums) {
   if (options.covariance) {
     const PoseCovariance stated = Refined(*options.covariance);
     const TimeNodes nodes(stated.t_s, stated.strip);
-    return ScatterEstimator(redundancy, nodes, sums(nodes), StatedBy::kSmoother)
+    return ScatterEstimator(redundancy, nodes, sums(nodes), SigmaSource::kSmoother)
         .Run(ByComponent(stated.covariance));
   }
   const TimeNodes nodes(epochs_s(), options.strip_begin_s, options.max_nodes);
-  return ScatterEstimator(redundancy, nodes, sums(nodes), options.stated_by).Run();
+  return ScatterEstimator(redundancy, nodes, sums(nodes), options.sigma_source).Run();
 }
 
 double ReliableVarianceFactor(double sigma0, double chi2, long redundancy) {
@@ -557,7 +559,7 @@ double ReliableVarianceFactor(double sigma0, double chi2, long redundancy) {
 }
 
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
-                                   const TrajectoryScatter& scatter,
+                                   const CorrelatedErrorCovariance& scatter,
                                    const Eigen::Matrix3d& constant_rad2) {
   return ReliableVarianceFactor(result.sigma0, result.chi2, result.redundancy) *
              result.covariance_apriori_rad2 +

@@ -122,7 +122,7 @@ std::vector<Candidate> Candidates(const Flight& flight, const TimeInterval& span
                                   const StillStart& still, const ImuCorrection& bias) {
   std::vector<Candidate> candidates;
   if (flight.initial_guess && flight.initial_guess->Covers(span.t0_s)) {
-    const MapPose pose = InterpolatePose(flight.initial_guess->InMap(flight.frame), span.t0_s);
+    const MapPose pose = InterpolatePose(flight.initial_guess->ToMapPoses(flight.frame), span.t0_s);
     candidates.push_back({pose.q_mb, 5.0 * kRadPerDeg, "initial guess"});
   }
   if (still.still) {

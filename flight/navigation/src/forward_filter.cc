@@ -20,7 +20,7 @@ constexpr int kNav = 9;  // attitude, position, velocity
 constexpr double kGapAttitudeRadps = 0.3;
 constexpr double kGapAccelMps2 = 5.0;
 
-Eigen::Vector3d SumOf(const std::vector<Eigen::Vector3d>& biases) {
+Eigen::Vector3d SumVectors(const std::vector<Eigen::Vector3d>& biases) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& bias : biases) sum += bias;
   return sum;
@@ -64,14 +64,14 @@ class Filter {
     state_.pose.t_s = t_s;
   }
 
-  void RetraceTo(double t_s) {
+  void PredictBackTo(double t_s) {
     const double dt_s = state_.pose.t_s - t_s;
     if (dt_s < 1e-7) return;
     StepProcesses(dt_s);
     if (HasGap(*flight_.imu, t_s, state_.pose.t_s)) {
       PredictOverGap(t_s);
     } else {
-      RetraceInertially(t_s);
+      PredictBackInertially(t_s);
     }
     state_.pose.t_s = t_s;
   }
@@ -99,13 +99,13 @@ class Filter {
 
   void UpdatePosition(const MapGnssEpoch& epoch) {
     const auto factor = MakeGnssPositionFactor(flight_, epoch, calibration_,
-                                               InputOf(Isotropic(options_.position_floor_m)));
+                                               MakeEdgeInput(Isotropic(options_.position_floor_m)));
     UpdateGnss(*factor, {state_.pose.p_mb.data(), 3}, state_.gnss_error, false);
   }
 
   void UpdateVelocity(const MapGnssEpoch& epoch) {
-    const auto factor = MakeGnssVelocityFactor(flight_, epoch, calibration_,
-                                               InputOf(Isotropic(options_.velocity_floor_mps)));
+    const auto factor = MakeGnssVelocityFactor(
+        flight_, epoch, calibration_, MakeEdgeInput(Isotropic(options_.velocity_floor_mps)));
     UpdateGnss(*factor, {state_.pose.v_m.data(), 6}, {}, true);
   }
 
@@ -113,7 +113,7 @@ class Filter {
   DirectedRun run;
 
  private:
-  GnssEdgeInput InputOf(const Eigen::Matrix3d& added_covariance) const {
+  GnssEdgeInput MakeEdgeInput(const Eigen::Matrix3d& added_covariance) const {
     return {state_.pose, {state_.TotalGyroBias(), state_.TotalAccelBias()}, added_covariance};
   }
 
@@ -127,7 +127,7 @@ class Filter {
   /// time-correlated errors.
   void UpdateGnss(const FactorBase& factor, const StatePart& measured,
                   const std::vector<Eigen::Vector3d>& errors, bool velocity) {
-    const std::vector<std::size_t> effects = EffectsOfGnss(calibration_);
+    const std::vector<std::size_t> effects = GnssEffectIndices(calibration_);
     const MapPose& pose = state_.pose;
     std::vector<const double*> x{pose.q_mb.coeffs().data(), measured.value,
                                  calibration_.gnss_lever_arm_b_m.data()};
@@ -165,12 +165,12 @@ class Filter {
     const std::size_t na = state_.accel_bias.size();
     const PreintegratedInertial factor(increment, flight_.frame, begin.p_mb, end.p_mb,
                                        static_cast<int>(ng), static_cast<int>(na),
-                                       AttractionBases(calibration_, begin.p_mb));
+                                       GravitationJacobians(calibration_, begin.p_mb));
     std::vector<const double*> x{begin.q_mb.coeffs().data(), begin.p_mb.data(), begin.v_m.data(),
                                  end.q_mb.coeffs().data(),   end.p_mb.data(),   end.v_m.data()};
     for (const Eigen::Vector3d& bias : state_.gyro_bias) x.push_back(bias.data());
     for (const Eigen::Vector3d& bias : state_.accel_bias) x.push_back(bias.data());
-    for (const std::size_t k : EffectsOfInertial(calibration_)) {
+    for (const std::size_t k : InertialEffectIndices(calibration_)) {
       x.push_back(calibration_.effects[k].value.data());
     }
     std::vector<Eigen::MatrixXd> J;
@@ -208,13 +208,13 @@ class Filter {
   void PredictInertially(double t_s) {
     const Preintegrated increment = IncrementBetween(state_.pose.t_s, t_s);
     const MapPose next = Propagate(flight_.frame, state_.pose, increment,
-                                   calibration_.AttractionAt(state_.pose.p_mb));
+                                   calibration_.GravitationAt(state_.pose.p_mb));
     const LinearEdge edge = Linearise(increment, state_.pose, next);
     CarryCovariance(edge.J_begin, edge.J_end, edge.J_biases);
     state_.pose = {state_.pose.t_s, next.q_mb, next.p_mb, next.v_m};
   }
 
-  void RetraceInertially(double t_s) {
+  void PredictBackInertially(double t_s) {
     // Newton steps; the problem is nearly linear, so that the last step is at rounding level.
     constexpr int kSteps = 4;
     const Preintegrated increment = IncrementBetween(t_s, state_.pose.t_s);
@@ -318,8 +318,8 @@ class Filter {
 
 }  // namespace
 
-Eigen::Vector3d FilterState::TotalGyroBias() const { return SumOf(gyro_bias); }
-Eigen::Vector3d FilterState::TotalAccelBias() const { return SumOf(accel_bias); }
+Eigen::Vector3d FilterState::TotalGyroBias() const { return SumVectors(gyro_bias); }
+Eigen::Vector3d FilterState::TotalAccelBias() const { return SumVectors(accel_bias); }
 
 FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
                             const Eigen::Vector3d& gyro_bias_radps,
@@ -370,7 +370,7 @@ DirectedRun RunFilter(const Flight& flight, const std::vector<double>& times,
   Filter filter(flight, start, options);
   for (const double t_s : in_order) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
-    reverse ? filter.RetraceTo(t_s) : filter.PredictTo(t_s);
+    reverse ? filter.PredictBackTo(t_s) : filter.PredictTo(t_s);
     filter.UseEpochAt(t_s);
     filter.KeepState();
   }

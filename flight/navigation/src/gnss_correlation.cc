@@ -30,12 +30,12 @@ std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
                                           const LinearizedNetwork& linearized) {
   std::vector<PositionInUse> positions;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    const auto rows = linearized.RowsOf(edge.position);
+    const auto rows = linearized.FindRows(edge.position);
     if (!rows) continue;
     const BlockId p_mb = network.nodes[edge.node].p_mb.id;
     const Eigen::Matrix3d R_m_enu =
         network.flight().frame.R_m_enu(network.NodePose(edge.node).p_mb);
-    for (const auto& [block, J] : linearized.FactorAt(edge.position).jacobian) {
+    for (const auto& [block, J] : linearized.EvaluateFactorAt(edge.position).jacobian) {
       if (block != p_mb) continue;
       positions.push_back(
           {linearized.t_s(edge.position), rows->first, std::sqrt(rows->weight) * J * R_m_enu});
@@ -102,7 +102,7 @@ struct Axis {
   Eigen::ArrayXd Ratios() const {
     return energy / square * squares.mean() / energies.colwise().mean().transpose();
   }
-  Eigen::ArrayXXd RatiosOfSamples() const {
+  Eigen::ArrayXXd SampleRatios() const {
     return (energies.colwise() / squares * squares.mean()).rowwise() / energies.colwise().mean();
   }
 
@@ -114,7 +114,7 @@ struct Axis {
   /// Returns the excess caused by a process of unit variance with the tau at index `of`. Let D be
   /// the covariance of y without the process. The process increases E[y^T A y] by tr(A D K D),
   /// which is half the covariance of y^T A y and y^T K y.
-  Eigen::ArrayXd ExcessOfProcess(Eigen::Index of) const {
+  Eigen::ArrayXd ProcessExcess(Eigen::Index of) const {
     const Eigen::ArrayXd deviation = energies.col(of) - energies.col(of).mean();
     const double of_square = Half(squares, deviation);
     Eigen::ArrayXd excess(energy.size());
@@ -140,9 +140,9 @@ struct Fit {
 /// Fits the variance by least squares over the energies at all tau, with sigmas proportional to the
 /// energies.
 Fit FitProcess(const Axis& axis, Eigen::Index of) {
-  const Eigen::ArrayXd excess = axis.Excess(), unit = axis.ExcessOfProcess(of);
+  const Eigen::ArrayXd excess = axis.Excess(), unit = axis.ProcessExcess(of);
   const Eigen::ArrayXd spread =
-      (axis.RatiosOfSamples() - 1.0).square().colwise().mean().sqrt().transpose();
+      (axis.SampleRatios() - 1.0).square().colwise().mean().sqrt().transpose();
   const Eigen::ArrayXd sigma =
       axis.energies.colwise().mean().transpose() * spread * axis.Ratios().max(1.0);
   const Eigen::ArrayXd y = excess / sigma, x = unit / sigma;
@@ -159,7 +159,7 @@ class Tester {
     if (positions_.size() < kFewestPositions) return;
     taus_s_ = Taus(positions_);
     TakeData(marginals.linearized().residual());
-    ForSampledResiduals(marginals, [&](const auto& residual) { TakeSample(residual); });
+    ForEachSampledResidual(marginals, [&](const auto& residual) { TakeSample(residual); });
   }
 
   GnssCorrelation Run() {
@@ -168,9 +168,9 @@ class Tester {
     Eigen::ArrayXd ratios = Eigen::ArrayXd::Zero(NumTaus());
     Eigen::ArrayXXd of_samples = Eigen::ArrayXXd::Zero(axes_[0].squares.size(), NumTaus());
     for (int a = 0; a < 3; ++a) {
-      result_.p_value[a] = PValue(axes_[a].Ratios(), axes_[a].RatiosOfSamples());
+      result_.p_value[a] = PValue(axes_[a].Ratios(), axes_[a].SampleRatios());
       ratios += axes_[a].Ratios();
-      of_samples += axes_[a].RatiosOfSamples();
+      of_samples += axes_[a].SampleRatios();
     }
     result_.p_value_together = PValue(ratios, of_samples);
     FindProcess();
@@ -186,7 +186,7 @@ class Tester {
     double least = 1.0;
     for (Eigen::Index i = 0; i < ratios.size(); ++i) {
       const Eigen::ArrayXd sample = of_samples.col(i);
-      const FormMoments moments = MomentsOfSample({sample.begin(), sample.end()});
+      const FormMoments moments = SampleMoments({sample.begin(), sample.end()});
       least = std::min(least, moments.UpperTail(ratios[i]));
     }
     return std::min(1.0, least * 4.0 * static_cast<double>(ratios.size()));

@@ -28,7 +28,7 @@ std::vector<GnssScreening::Judged> GnssScreening::Judge(const FlightNetwork& net
     if (id < 0) continue;
     const Prediction prediction = PredictFactor(marginals, id);
     if (!prediction.determined) continue;
-    const bool active = marginals.linearized().RowsOf(id).has_value();
+    const bool active = marginals.linearized().FindRows(id).has_value();
     judged.push_back({id, prediction.statistic, active});
   }
   return judged;
@@ -73,7 +73,7 @@ long GnssScreening::Apply(const std::vector<Judged>& judged, const std::set<Fact
   if (judged.empty()) return 0;
   std::vector<double> statistics;
   for (const Judged& one : judged) statistics.push_back(one.statistic);
-  const double gross = kGrossNorm * kGrossNorm * noise_ratio * RobustVariance(statistics);
+  const double gross = kOutlierNorm * kOutlierNorm * noise_ratio * RobustVariance(statistics);
   long changes = 0;
   for (std::size_t k = 0; k < judged.size(); ++k) {
     const bool agrees = judged[k].statistic <= gross;

@@ -39,7 +39,7 @@ std::vector<ActivePosition> ActivePositions(const FlightNetwork& network,
     const FactorId id = network.gnss_edges[e].position;
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    if (!linearized.RowsOf(id) || !network.net.EvaluateFactor(id, &r, &J)) continue;
+    if (!linearized.FindRows(id) || !network.net.EvaluateFactor(id, &r, &J)) continue;
     positions.push_back({e, id, J[kPositionBlock], J[kLeverArmBlock], r.squaredNorm()});
   }
   return positions;
@@ -130,7 +130,7 @@ class ClockModel {
     const double tag_s = network_.flight().gnss->epochs[edge.epoch].t_s;
     for (const ProcessChain& chain : errors) x.push_back(Value(chain.At(tag_s).id));
     std::vector<std::size_t> columns;
-    for (const std::size_t k : EffectsOfGnss(state_)) {
+    for (const std::size_t k : GnssEffectIndices(state_)) {
       const CalibrationValue& effect = state_.effects[k];
       const bool of_clock = IsEffect(effect.name, kOffset) || IsEffect(effect.name, kDrift);
       if (of_clock) columns.push_back(x.size());

@@ -79,7 +79,7 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
           Exp(Eigen::Vector3d(frame.w_ie_m() * (track[i1].t_s - track.front().t_s)));
       const Eigen::Vector3d beta = inertial(track[i2]) - (1.0 + r) * inertial(track[i1]) +
                                    r * inertial(track[i0]) -
-                                   square * (C * frame.Attraction(track[i1].p_m));
+                                   square * (C * frame.Gravitation(track[i1].p_m));
       B += beta * alpha.transpose() / weight;
       squares += (beta.squaredNorm() + alpha.squaredNorm()) / weight;
       horizontal2 += beta.head<2>().squaredNorm() / weight;

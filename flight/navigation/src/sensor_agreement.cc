@@ -40,7 +40,7 @@ struct Leg {
   Vector3d v_m;
 };
 
-std::vector<Leg> LegsOf(const std::vector<Antenna>& track, double length_s) {
+std::vector<Leg> LegsWithLength(const std::vector<Antenna>& track, double length_s) {
   std::vector<Leg> legs;
   for (std::size_t i = 0, j = 0; i < track.size(); i = j) {
     while (j < track.size() && track[j].t_s - track[i].t_s < length_s - 1e-3) ++j;
@@ -52,7 +52,7 @@ std::vector<Leg> LegsOf(const std::vector<Antenna>& track, double length_s) {
 }
 
 /// Returns the median speed of the moving legs, m/s; kLeastSpeedMps if no leg moves.
-double UsualSpeed(const std::vector<Leg>& legs) {
+double TypicalSpeed(const std::vector<Leg>& legs) {
   std::vector<double> speeds;
   for (const Leg& leg : legs) {
     const double speed = leg.v_m.head<2>().norm();
@@ -65,8 +65,8 @@ double UsualSpeed(const std::vector<Leg>& legs) {
 std::vector<Leg> Legs(const Flight& flight, const std::vector<Antenna>& track, double shortest_s) {
   const double noise_s_mps = std::numbers::sqrt2 * TypicalGnssSigma(flight) / kMostCourseNoiseRad;
   const double usual_mps =
-      UsualSpeed(LegsOf(track, std::max(shortest_s, noise_s_mps / kLeastSpeedMps)));
-  return LegsOf(track, std::max(shortest_s, noise_s_mps / usual_mps));
+      TypicalSpeed(LegsWithLength(track, std::max(shortest_s, noise_s_mps / kLeastSpeedMps)));
+  return LegsWithLength(track, std::max(shortest_s, noise_s_mps / usual_mps));
 }
 
 std::vector<Antenna> WholeTrack(const Flight& flight) {
@@ -74,7 +74,7 @@ std::vector<Antenna> WholeTrack(const Flight& flight) {
 }
 
 /// Returns the moving legs, at least half a window apart.
-std::vector<Leg> LegsOfWindows(const Flight& flight, double window_s) {
+std::vector<Leg> SpacedLegs(const Flight& flight, double window_s) {
   std::vector<Leg> spaced;
   for (const Leg& leg : Legs(flight, WholeTrack(flight), 1.0)) {
     if (leg.v_m.head<2>().norm() < kLeastSpeedMps) continue;
@@ -148,7 +148,7 @@ void Undo(const AxesMistake& mistake, ImuData* imu, const Eigen::Matrix3d& R_imu
 
 std::vector<Vector3d> CoursesInBody(const Flight& flight, int threads) {
   const double window_s = WindowLength(flight);
-  const std::vector<Leg> legs = LegsOfWindows(flight, window_s);
+  const std::vector<Leg> legs = SpacedLegs(flight, window_s);
   std::vector<std::optional<Vector3d>> of_leg(legs.size());
   ParallelFor(static_cast<int>(legs.size()), threads, [&](int at) {
     const auto k = static_cast<std::size_t>(at);
@@ -161,7 +161,7 @@ std::vector<Vector3d> CoursesInBody(const Flight& flight, int threads) {
   return courses;
 }
 
-BodyDirections DownOf(const ImuData& imu) {
+BodyDirections MeanDownDirection(const ImuData& imu) {
   BodyDirections result;
   Vector3d sum = Vector3d::Zero();
   double lengths = 0.0;
@@ -220,7 +220,7 @@ struct Turn {
   double angle_rad;  ///< clockwise from above
 };
 
-std::vector<Turn> TurnsOfCourse(const Flight& flight) {
+std::vector<Turn> CourseTurns(const Flight& flight) {
   const std::vector<Leg> legs = Legs(flight, WholeTrack(flight), kLeastTurnS);
   std::vector<Turn> turns;
   for (std::size_t i = 1; i < legs.size(); ++i) {
@@ -258,7 +258,7 @@ class TurnCorrelation {
 // Lags in steps, from -kMostLagS to kMostLagS.
 constexpr int kLags = static_cast<int>(2.0 * kMostLagS / kLagStepS) + 1;
 
-double LagOf(int step) { return kMostLagS - step * kLagStepS; }
+double LagSeconds(int step) { return kMostLagS - step * kLagStepS; }
 
 /// Returns the correlation of the turns with those of the gyros for each lag, the longest lag
 /// first.
@@ -269,7 +269,7 @@ std::vector<TurnCorrelation> CorrelationsByLag(const std::vector<Turn>& turns,
     AngleCursor begin(gyro), end(gyro);
     const double length_s = turn.t_end_s - turn.t_begin_s;
     for (int step = 0; step < kLags; ++step) {
-      const double t0_s = turn.t_begin_s - LagOf(step), t1_s = turn.t_end_s - LagOf(step);
+      const double t0_s = turn.t_begin_s - LagSeconds(step), t1_s = turn.t_end_s - LagSeconds(step);
       if (!gyro.Covers(t0_s) || !gyro.Covers(t1_s)) continue;
       by_lag[static_cast<std::size_t>(step)].Add(turn.angle_rad / length_s,
                                                  (end.At(t1_s) - begin.At(t0_s)) / length_s);
@@ -303,7 +303,7 @@ std::vector<Eigen::Matrix3d> AxisRotations() {
 }  // namespace
 
 BodyDirections FindBodyDirections(const Flight& flight, int threads) {
-  BodyDirections result = DownOf(*flight.imu);
+  BodyDirections result = MeanDownDirection(*flight.imu);
   if (!flight.gnss || result.down_agreement == 0.0) return result;
   const std::vector<Vector3d> courses = CoursesInBody(flight, threads);
   const Vector3d sum = std::accumulate(courses.begin(), courses.end(), Vector3d(Vector3d::Zero()));
@@ -316,7 +316,7 @@ BodyDirections FindBodyDirections(const Flight& flight, int threads) {
 
 std::optional<AxesMistake> FindAxesMistake(const Flight& flight, int threads) {
   if (!flight.imu || !flight.gnss) return std::nullopt;
-  const std::vector<Leg> legs = LegsOfWindows(flight, WindowLength(flight));
+  const std::vector<Leg> legs = SpacedLegs(flight, WindowLength(flight));
   const std::optional<double> declared = MeanMisfit(flight, legs, threads);
   if (!declared) return std::nullopt;
   std::optional<AxesMistake> best;
@@ -351,18 +351,18 @@ AxesFit FitAxes(const BodyDirections& directions) {
 }
 
 std::optional<TurnComparison> CompareTurns(const Flight& flight) {
-  const std::vector<Turn> turns = TurnsOfCourse(flight);
+  const std::vector<Turn> turns = CourseTurns(flight);
   TurnComparison result;
   for (const Turn& turn : turns) result.turned_rad += std::abs(turn.angle_rad);
   if (turns.size() < 5 || result.turned_rad < std::numbers::pi) return std::nullopt;
-  const TurnedAngle gyro(*flight.imu, DownOf(*flight.imu).down_b);
+  const TurnedAngle gyro(*flight.imu, MeanDownDirection(*flight.imu).down_b);
   const std::vector<TurnCorrelation> by_lag = CorrelationsByLag(turns, gyro);
   result.correlation = result.best_correlation = by_lag[kLags / 2].Value();
   for (int step = kLags - 1; step >= 0; --step) {
     const double correlation = by_lag[static_cast<std::size_t>(step)].Value();
     if (std::abs(correlation) <= std::abs(result.best_correlation)) continue;
     result.best_correlation = correlation;
-    result.best_lag_s = LagOf(step);
+    result.best_lag_s = LagSeconds(step);
   }
   return result;
 }

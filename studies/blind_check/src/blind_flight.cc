@@ -1,6 +1,6 @@
+#include <dn/blind_check/blind_flight.h>
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/blind_check/blind_flight.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ BlindContent DrawContent(Random& random) {
   if (share < 0.2) return BlindContent::kNothing;
   if (share < 0.7) return BlindContent::kOneEffect;
   if (share < 0.8) return BlindContent::kTwoEffects;
-  return BlindContent::kOutsider;
+  return BlindContent::kUnlistedEffect;
 }
 
 Scenario DrawScenario(const std::string& base, Random& random) {
@@ -53,7 +53,7 @@ std::vector<Effect> DrawEffects(std::size_t count, const FlightTimes& times, Ran
 
 BlindContent BlindFlight::content() const {
   if (left_out) return BlindContent::kLeftOut;
-  if (outsider) return BlindContent::kOutsider;
+  if (outsider) return BlindContent::kUnlistedEffect;
   if (scenario.effects.empty()) return BlindContent::kNothing;
   return scenario.effects.size() == 1 ? BlindContent::kOneEffect : BlindContent::kTwoEffects;
 }
@@ -91,9 +91,9 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
     case BlindContent::kTwoEffects:
       flight.scenario.effects = DrawEffects(2, times, random);
       break;
-    case BlindContent::kOutsider: {
-      const std::vector<std::string> names = OutsiderNames();
-      flight.outsider = DrawOutsider(names[DrawIndex(names.size(), random)], times, random);
+    case BlindContent::kUnlistedEffect: {
+      const std::vector<std::string> names = UnlistedEffectNames();
+      flight.outsider = DrawUnlistedEffect(names[DrawIndex(names.size(), random)], times, random);
       break;
     }
   }

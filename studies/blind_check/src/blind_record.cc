@@ -1,6 +1,6 @@
+#include <dn/blind_check/blind_record.h>
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/blind_check/blind_record.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ std::optional<double> NumberUnder(const JsonPlace& section, const char* key) {
 
 }  // namespace
 
-BlindRecord TruthOf(const BlindFlight& flight) {
+BlindRecord MakeTruthRecord(const BlindFlight& flight) {
   BlindRecord record;
   record.number = flight.number;
   record.seed = flight.seed;
@@ -72,7 +72,7 @@ const char* Word(BlindContent content) {
       return "two";
     case BlindContent::kLeftOut:
       return "left out";
-    case BlindContent::kOutsider:
+    case BlindContent::kUnlistedEffect:
       return "outsider";
   }
   return "";
@@ -81,7 +81,7 @@ const char* Word(BlindContent content) {
 BlindContent ContentOf(const std::string& word) {
   for (const BlindContent content :
        {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
-        BlindContent::kOutsider, BlindContent::kLeftOut}) {
+        BlindContent::kUnlistedEffect, BlindContent::kLeftOut}) {
     if (word == Word(content)) return content;
   }
   throw InvalidInput("unknown content of a flight '" + word + "'");

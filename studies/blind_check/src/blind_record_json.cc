@@ -1,6 +1,6 @@
+#include <dn/blind_check/blind_record.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/blind_check/blind_record.h>
 
 #include "blind_json.h"
 
@@ -126,7 +126,7 @@ bool FitsContent(const BlindRecord& record) {
       return record.effects.size() == 1;
     case BlindContent::kTwoEffects:
       return record.effects.size() == 2;
-    case BlindContent::kOutsider:
+    case BlindContent::kUnlistedEffect:
       return record.outsider.has_value();
   }
   return false;

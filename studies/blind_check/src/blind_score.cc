@@ -1,6 +1,6 @@
+#include <dn/blind_check/blind_score.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/blind_check/blind_score.h>
 #include <dn/quantile.h>
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAlarmLevel = 0.05;
 constexpr double kBeyond_sigmas = 5.0;
-constexpr double kTwinsOfQuick = 100.0;  // least number of replicates behind a p-value of dn gap
+constexpr double kQuickReplicates = 100.0;  // least number of replicates behind a p-value of dn gap
 constexpr double kCovered_sigmas = 1.959963984540054;
 
 bool Holds(const std::vector<std::string>& names, const std::string& name) {
@@ -26,7 +26,7 @@ bool Contains(const BlindRecord& record, const std::string& effect) {
                      [&](const Effect& there) { return there.name == effect; });
 }
 
-Quartiles QuartilesOf(const std::vector<double>& values) {
+Quartiles ComputeQuartiles(const std::vector<double>& values) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (values.empty()) return {0, kNone, kNone, kNone};
   return {static_cast<long>(values.size()), Quantile(values, 0.25), Quantile(values, 0.5),
@@ -63,7 +63,7 @@ std::size_t ClassIndex(double x, const std::array<double, N>& limits) {
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - limits.begin()) - 1);
 }
 
-SignatureScore& OfSignature(const BlindSignature& signature, BlindScore* score) {
+SignatureScore& FindSignatureScore(const BlindSignature& signature, BlindScore* score) {
   return score->signatures[ClassIndex(std::sqrt(signature.lambda_left), kSignatureLimits)];
 }
 
@@ -133,13 +133,13 @@ void ScoreTwo(const BlindRecord& record, BlindScore* score) {
 }
 
 /// Scores a flight with an effect that the diagnosis does not have.
-void ScoreOutsider(const std::string& name, const BlindRecord& record, BlindScore* score) {
+void ScoreUnlistedEffect(const std::string& name, const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
-  OutsiderScore& of_outsider = Entry(name, &OutsiderScore::outsider, &score->outsiders);
+  UnlistedEffectScore& of_outsider = Entry(name, &UnlistedEffectScore::outsider, &score->outsiders);
   score->outsider_detected.Count(diagnosis.detected);
   of_outsider.detected.Count(diagnosis.detected);
   SignatureScore* of_signature =
-      record.signature ? &OfSignature(*record.signature, score) : nullptr;
+      record.signature ? &FindSignatureScore(*record.signature, score) : nullptr;
   if (of_signature != nullptr) of_signature->detected.Count(diagnosis.detected);
   if (!diagnosis.detected) return;
   const bool rejected =
@@ -158,7 +158,7 @@ void ScoreReliability(const BlindRecord& record, BlindScore* score, Samples* sam
     if (std::isnan(cause.posterior)) continue;
     const auto tenth = static_cast<int>(10.0 * std::clamp(cause.posterior, 0.0, 1.0));
     const auto bin = static_cast<std::size_t>(std::min(tenth, 9));
-    score->reliability[bin].true_ones.Count(Contains(record, cause.effect));
+    score->reliability[bin].true_causes.Count(Contains(record, cause.effect));
     samples->stated_sum[bin] += cause.posterior;
   }
 }
@@ -205,11 +205,11 @@ void ScoreDiagnosis(const BlindRecord& record, BlindScore* score, Samples* sampl
     case BlindContent::kTwoEffects:
       ScoreTwo(record, score);
       break;
-    case BlindContent::kOutsider:
-      ScoreOutsider(record.outsider->name, record, score);
+    case BlindContent::kUnlistedEffect:
+      ScoreUnlistedEffect(record.outsider->name, record, score);
       break;
     case BlindContent::kLeftOut:
-      ScoreOutsider(record.effects.front().name, record, score);
+      ScoreUnlistedEffect(record.effects.front().name, record, score);
       break;
   }
   ScoreReliability(record, score, samples);
@@ -248,7 +248,7 @@ void Finish(const Samples& samples, BlindScore* score) {
     ReliabilityBin& bin = score->reliability[k];
     bin.low = static_cast<double>(k) / 10.0;
     bin.high = static_cast<double>(k + 1) / 10.0;
-    bin.stated = samples.stated_sum[k] / static_cast<double>(bin.true_ones.of);
+    bin.stated = samples.stated_sum[k] / static_cast<double>(bin.true_causes.of);
   }
   for (std::size_t k = 0; k < score->sizes.size(); ++k) score->sizes[k].from = kSizeLimits[k];
   for (std::size_t k = 0; k < score->strengths.size(); ++k) {
@@ -257,15 +257,15 @@ void Finish(const Samples& samples, BlindScore* score) {
   for (std::size_t k = 0; k < score->signatures.size(); ++k) {
     score->signatures[k].from_sigmas = kSignatureLimits[k];
   }
-  score->null_p_value = QuartilesOf(samples.null_p_value);
+  score->null_p_value = ComputeQuartiles(samples.null_p_value);
   if (!samples.null_p_value.empty()) {
-    score->null_uniformity_p = UniformityP(samples.null_p_value, kTwinsOfQuick);
+    score->null_uniformity_p = UniformityPValue(samples.null_p_value, kQuickReplicates);
   }
-  score->truth_posterior = QuartilesOf(samples.truth_posterior);
-  score->shrinkage_right = QuartilesOf(samples.shrinkage_right);
-  score->shrinkage_wrong = QuartilesOf(samples.shrinkage_wrong);
-  score->diagnosis_time_s = QuartilesOf(samples.diagnosis_time_s);
-  score->calibration_time_s = QuartilesOf(samples.calibration_time_s);
+  score->truth_posterior = ComputeQuartiles(samples.truth_posterior);
+  score->shrinkage_right = ComputeQuartiles(samples.shrinkage_right);
+  score->shrinkage_wrong = ComputeQuartiles(samples.shrinkage_wrong);
+  score->diagnosis_time_s = ComputeQuartiles(samples.diagnosis_time_s);
+  score->calibration_time_s = ComputeQuartiles(samples.calibration_time_s);
   Finish(&score->calibrated);
   Finish(&score->adapted);
   std::sort(score->verdicts.begin(), score->verdicts.end(), [](const auto& a, const auto& b) {

@@ -57,9 +57,9 @@ Json ToJson(const std::array<SizeScore, 3>& sizes) {
   return rows;
 }
 
-Json ToJson(const std::vector<OutsiderScore>& outsiders) {
+Json ToJson(const std::vector<UnlistedEffectScore>& outsiders) {
   Json rows = Json::array();
-  for (const OutsiderScore& score : outsiders) {
+  for (const UnlistedEffectScore& score : outsiders) {
     rows.push_back({{"outsider", score.outsider},
                     {"detected", ToJson(score.detected)},
                     {"rejected", ToJson(score.rejected)}});
@@ -96,7 +96,7 @@ Json ToJson(const std::array<ReliabilityBin, 10>& bins) {
     rows.push_back({{"low", bin.low},
                     {"high", bin.high},
                     {"stated", bin.stated},
-                    {"true", ToJson(bin.true_ones)}});
+                    {"true", ToJson(bin.true_causes)}});
   }
   return rows;
 }

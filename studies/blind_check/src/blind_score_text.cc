@@ -57,7 +57,7 @@ std::string EffectLines(const BlindScore& s) {
     text += fmt::format("by effect that the diagnosis does not have\n  {:<28} {:>9} {:>9}\n", "",
                         "detected", "rejected");
   }
-  for (const OutsiderScore& score : s.outsiders) {
+  for (const UnlistedEffectScore& score : s.outsiders) {
     text += fmt::format("  {:<28} {:>9} {:>9}\n", score.outsider, Fraction(score.detected),
                         Fraction(score.rejected));
   }
@@ -112,10 +112,10 @@ std::string ReliabilityLines(const BlindScore& s) {
       "posterior of a cause, all flights: stated probability and observed frequency\n"
       "  between        causes   stated   observed\n";
   for (const ReliabilityBin& bin : s.reliability) {
-    if (bin.true_ones.of == 0) continue;
-    const Interval interval = bin.true_ones.interval_95();
+    if (bin.true_causes.of == 0) continue;
+    const Interval interval = bin.true_causes.interval_95();
     text += fmt::format("  {:.1f} .. {:.1f}  {:>8}   {:.3f}    {:.3f}  ({:.3f} .. {:.3f})\n",
-                        bin.low, bin.high, bin.true_ones.of, bin.stated, bin.true_ones.value(),
+                        bin.low, bin.high, bin.true_causes.of, bin.stated, bin.true_causes.value(),
                         interval.low, interval.high);
   }
   return text;

@@ -14,7 +14,7 @@ constexpr double kLongestStep_s = 200.0;
 bool IsRatio(const EffectSpec& effect) { return effect.components.front().name == "ratio"; }
 
 /// Returns true for a component that is a duration or a length instead of a size.
-bool TellsNoSize(const EffectSpec& effect, std::size_t i) {
+bool IsNotSize(const EffectSpec& effect, std::size_t i) {
   const std::string& name = effect.components[i].name;
   return name == "tau" || (name == "size" && i > 0);
 }
@@ -34,7 +34,7 @@ std::vector<double> DrawStochastic(const EffectSpec& effect, double factor, Rand
   std::vector<double> value;
   for (std::size_t i = 0; i < effect.components.size(); ++i) {
     const EffectComponent& part = effect.components[i];
-    const double times = TellsNoSize(effect, i) ? LogUniform(0.5, 2.0, random) : factor;
+    const double times = IsNotSize(effect, i) ? LogUniform(0.5, 2.0, random) : factor;
     value.push_back(std::min(times * part.typical, part.highest));
   }
   return value;
@@ -82,7 +82,7 @@ double SizeOf(const Effect& effect) {
   for (std::size_t i = 0; i < effect.value.size(); ++i) {
     const double usual = spec.components[i].typical;
     if (IsRatio(spec)) return (effect.value[i] - 1.0) / (usual - 1.0);
-    if (!TellsNoSize(spec, i)) size = std::max(size, std::abs(effect.value[i]) / usual);
+    if (!IsNotSize(spec, i)) size = std::max(size, std::abs(effect.value[i]) / usual);
   }
   return size;
 }

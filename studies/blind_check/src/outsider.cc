@@ -1,12 +1,11 @@
+#include <dn/blind_check/outsider.h>
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/blind_check/outsider.h>
+#include <dn/report/json_numbers.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <dn/report/json_numbers.h>
 
 namespace dn {
 namespace {
@@ -222,17 +221,18 @@ const Physics& Find(const std::string& name) {
 
 }  // namespace
 
-std::vector<std::string> OutsiderNames() {
+std::vector<std::string> UnlistedEffectNames() {
   std::vector<std::string> names;
   for (const Physics& physics : kOutsiders) names.emplace_back(physics.name);
   return names;
 }
 
-Outsider DrawOutsider(const std::string& name, const FlightTimes& times, Random& random) {
+UnlistedEffect DrawUnlistedEffect(const std::string& name, const FlightTimes& times,
+                                  Random& random) {
   return {name, Find(name).draw(times, random)};
 }
 
-OwnErrors MakeOwnErrors(const Outsider& outsider, const Scenario& scenario) {
+OwnErrors MakeOwnErrors(const UnlistedEffect& outsider, const Scenario& scenario) {
   return Find(outsider.name).make(outsider.parameters, scenario);
 }
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t kMostCount = 1'000'000'000'000;
 constexpr std::int64_t kMostRedundancy = 1'000'000'000;
 constexpr double kMostFigure = 1e18;
-constexpr std::size_t kMostEpochs = 1'000'000;
+constexpr std::size_t kMaxCovarianceEpochs = 1'000'000;
 constexpr std::size_t kMostSeries = 1000;
 
 // A row contains t, then for each quantity its NEES and three components.
@@ -125,7 +125,7 @@ FlightRecord FlightRecordFromJson(const JsonPlace& json) {
   record.residuals = SeriesFromJson(json.At("residuals"));
   record.innovations = SeriesFromJson(json.At("innovations"));
   record.time_s = json.At("time_s").Number(0.0, kMostFigure);
-  for (const JsonPlace& row : json.At("epochs").Elements(kMostEpochs)) {
+  for (const JsonPlace& row : json.At("epochs").Elements(kMaxCovarianceEpochs)) {
     record.epochs.push_back(EpochFromJson(row));
   }
   ExpectAdjusted(record, json);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kProbability = 0.99;
 
-JudgedFigure JudgedMeanSquare(double sum2, double dof) {
+TestedStatistic JudgedMeanSquare(double sum2, double dof) {
   return {sum2 / dof, ChiSquareInterval(kProbability, dof)};
 }
 
@@ -158,7 +158,7 @@ void AddRms(const std::vector<FlightRecord>& records, MonteCarloSummary* summary
 }  // namespace
 
 bool MonteCarloSummary::consistent() const {
-  const auto ok = [](const JudgedFigure& figure) { return figure.ok(); };
+  const auto ok = [](const TestedStatistic& figure) { return figure.ok(); };
   bool all =
       failures == 0 && chi2_per_dof.ok() && share_chi2_inside.ok() && share_contradicted.ok();
   if (with_pairs) {

@@ -7,7 +7,7 @@ namespace {
 
 Json ToJson(const Interval& interval) { return Json::array({interval.low, interval.high}); }
 
-Json ToJson(const JudgedFigure& figure) {
+Json ToJson(const TestedStatistic& figure) {
   return {{"value", figure.value}, {"band_99", ToJson(figure.band)}, {"ok", figure.ok()}};
 }
 
@@ -41,7 +41,7 @@ Json ToJson(const BoresightConsistency& b) {
       {"mean_sigma_deg", dn::ToJson(b.mean_sigma_deg)}};
 }
 
-std::string Line(const std::string& name, const JudgedFigure& figure) {
+std::string Line(const std::string& name, const TestedStatistic& figure) {
   return fmt::format("  {:<34} {:>9.4f}  {:>8.4f} .. {:<8.4f} {}\n", name, figure.value,
                      figure.band.low, figure.band.high, figure.ok() ? "inside" : "OUTSIDE");
 }

@@ -1,6 +1,6 @@
-#include <dn/builder/flight_nodes.h>
 #include <dn/adjustment/adjust.h>
 #include <dn/adjustment/result.h>
+#include <dn/builder/flight_nodes.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
 #include <dn/sim/no_overlap.h>
@@ -109,10 +109,10 @@ bool CoversData(const std::optional<Trajectory>& trajectory, const Flight& fligh
 void PlaceStates(const DesignOptions& options, StudyDesign* design) {
   const Flight& flight = design->flight;
   if (CoversData(flight.trajectory, flight)) {
-    design->states.poses = flight.trajectory->InMap(flight.frame);
+    design->states.poses = flight.trajectory->ToMapPoses(flight.frame);
     design->source = DesignSource::kTrajectory;
   } else if (CoversData(flight.initial_guess, flight)) {
-    design->states.poses = flight.initial_guess->InMap(flight.frame);
+    design->states.poses = flight.initial_guess->ToMapPoses(flight.frame);
     design->source = DesignSource::kInitialGuess;
   } else if (flight.imu && HasGnss(flight)) {
     design->states.poses = SolveInsGnss(flight, options, &design->states);
@@ -149,13 +149,13 @@ std::vector<EstimateEntry> ParseEstimate(const std::string& list) {
   }
 }
 
-StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options) {
+StudyDesign MakeDesign(const Scenario& scenario, const DesignOptions& options) {
   SimulatedFlight simulated = Fly(scenario, options);
   StudyDesign design;
   design.flight = std::move(simulated.flight);
   design.strips = std::move(simulated.strips);
   FreeUnknowns(options, &design.flight);
-  LimitNodeRate(options.most_node_rate_hz, &design.flight);
+  LimitNodeRate(options.max_node_rate_hz, &design.flight);
   CalibrationState calibration = AssumedCalibration(design.flight);
   calibration.q_boresight = Exp(simulated.boresight_rad);
   design.states.calibration = std::move(calibration);
@@ -166,7 +166,7 @@ StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options) {
   return design;
 }
 
-StudyDesign DesignOf(Flight flight, const DesignOptions& options) {
+StudyDesign MakeDesign(Flight flight, const DesignOptions& options) {
   if (!flight.pairs || flight.pairs->pairs.empty()) {
     FailWithoutPairs("the flight has no pairs of points");
   }

@@ -32,7 +32,7 @@ double HeightAboveGround(const StudyDesign& design, const StripInterval& strip) 
   return n > 0 ? sum_m / static_cast<double>(n) : 0.0;
 }
 
-StripGeometry GeometryOf(const StudyDesign& design, const StripInterval& strip) {
+StripGeometry ComputeGeometry(const StudyDesign& design, const StripInterval& strip) {
   const std::vector<MapPose>& poses = design.states.poses;
   const Eigen::Vector3d way =
       NearestPose(poses, strip.t1_s).p_mb - NearestPose(poses, strip.t0_s).p_mb;
@@ -70,10 +70,10 @@ bool Alike(const std::vector<StripGeometry>& strips, double share, const Get& ge
 
 }  // namespace
 
-FlightGeometry GeometryOf(const StudyDesign& design) {
+FlightGeometry ComputeGeometry(const StudyDesign& design) {
   FlightGeometry geometry;
   for (const StripInterval& strip : design.strips) {
-    geometry.strips.push_back(GeometryOf(design, strip));
+    geometry.strips.push_back(ComputeGeometry(design, strip));
   }
   const std::vector<StripGeometry>& strips = geometry.strips;
   if (strips.empty()) return geometry;

@@ -5,6 +5,6 @@
 namespace dn {
 
 /// Returns the properties that the strips of a design have in common.
-FlightGeometry GeometryOf(const StudyDesign& design);
+FlightGeometry ComputeGeometry(const StudyDesign& design);
 
 }  // namespace dn

@@ -27,7 +27,7 @@ void ForEachComponent(const FlightConfig& config, const Visit& visit) {
 
 }  // namespace
 
-std::vector<StudyUnknown> UnknownsOf(const JointCovariance& joint, const FlightConfig& config) {
+std::vector<StudyUnknown> ListUnknowns(const JointCovariance& joint, const FlightConfig& config) {
   std::vector<StudyUnknown> unknowns;
   ForEachComponent(config, [&](Eigen::Index i, const EffectSpec& effect, std::size_t k) {
     const JointUnknown& unknown = joint.unknowns[static_cast<std::size_t>(i)];
@@ -38,7 +38,8 @@ std::vector<StudyUnknown> UnknownsOf(const JointCovariance& joint, const FlightC
   return unknowns;
 }
 
-std::vector<Unobservable> UnobservableOf(const JointCovariance& joint, const FlightConfig& config) {
+std::vector<Unobservable> FindUnobservable(const JointCovariance& joint,
+                                           const FlightConfig& config) {
   std::vector<Unobservable> found;
   ForEachComponent(config, [&](Eigen::Index i, const EffectSpec& effect, std::size_t k) {
     const JointUnknown& unknown = joint.unknowns[static_cast<std::size_t>(i)];

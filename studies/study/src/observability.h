@@ -9,11 +9,12 @@
 namespace dn {
 
 /// Returns the free unknowns other than the boresight, with their sigmas.
-std::vector<StudyUnknown> UnknownsOf(const JointCovariance& joint, const FlightConfig& config);
+std::vector<StudyUnknown> ListUnknowns(const JointCovariance& joint, const FlightConfig& config);
 
 /// Returns those of them that correlate with another calibration unknown by more than 0.999. Also
 /// returns those with a sigma above a hundred times their typical size. The design gives no
 /// information on them.
-std::vector<Unobservable> UnobservableOf(const JointCovariance& joint, const FlightConfig& config);
+std::vector<Unobservable> FindUnobservable(const JointCovariance& joint,
+                                           const FlightConfig& config);
 
 }  // namespace dn

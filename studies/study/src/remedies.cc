@@ -35,9 +35,9 @@ RemedyTrials::RemedyTrials(const Scenario& scenario, const StudyDesign& design,
                            const DesignOptions& options)
     : options_(options), fewer_nodes_(NodeRateHz(design.flight, true) > kNodeRateHz) {
   options_.threads = 1;
-  options_.most_node_rate_hz = kNodeRateHz;
+  options_.max_node_rate_hz = kNodeRateHz;
   if (scenario.plan.lines.empty() || scenario.plan.replay) return;
-  Prepare(scenario, GeometryOf(design));
+  Prepare(scenario, ComputeGeometry(design));
   const auto threads = std::min(static_cast<std::size_t>(options.threads), scenarios_.size());
   for (std::size_t k = 1; k < threads; ++k) {
     workers_.push_back(std::async(std::launch::async, [this] { Work(); }));
@@ -70,7 +70,7 @@ void RemedyTrials::Prepare(const Scenario& scenario, const FlightGeometry& geome
 RemedyTrials::Sigmas RemedyTrials::SigmasWith(const Scenario& scenario,
                                               const DesignOptions& options) {
   try {
-    const StudyDesign design = DesignOf(scenario, options);
+    const StudyDesign design = MakeDesign(scenario, options);
     const FlightNetwork network = Build(design.flight, design.states);
     const JointCovariance joint =
         CalibrationCovariance(network, Marginals(network.net, {.threads = options.threads}));

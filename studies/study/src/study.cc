@@ -51,7 +51,7 @@ bool StudyResult::observable() const {
   return boresight.verdict != Verdict::kNotObservable && unobservable.empty();
 }
 
-Solution AtStates(const StudyDesign& design, int threads) {
+Solution SolveAtStates(const StudyDesign& design, int threads) {
   Adjustment adjustment;
   adjustment.network = std::make_unique<FlightNetwork>(Build(design.flight, design.states));
   adjustment.converged = true;
@@ -64,32 +64,32 @@ StudyResult Study(const StudyDesign& design, const Solution& solution) {
   StudyResult result;
   result.name = design.flight.config.name;
   result.source = design.source;
-  result.geometry = GeometryOf(design);
+  result.geometry = ComputeGeometry(design);
   result.boresight = solution.Boresight();
   result.correlations =
       BiasCorrelationOverTime(network, marginals, marginals.SolveColumns({network.boresight.id}));
   result.trajectory = TrajectorySigmas(network, marginals);
   result.strips = SigmasOnStrips(result.trajectory, design.strips);
   const JointCovariance joint = CovarianceWithErrors(network, marginals);
-  result.unknowns = UnknownsOf(joint, design.flight.config);
-  result.unobservable = UnobservableOf(joint, design.flight.config);
+  result.unknowns = ListUnknowns(joint, design.flight.config);
+  result.unobservable = FindUnobservable(joint, design.flight.config);
   result.weak = StudyDirections(joint);
   FillCounts(solution, &result);
   return result;
 }
 
 StudyResult Study(const Scenario& scenario, const StudyOptions& options) {
-  const StudyDesign design = DesignOf(scenario, options.design);
+  const StudyDesign design = MakeDesign(scenario, options.design);
   std::optional<RemedyTrials> trials;
   if (options.remedies) trials.emplace(scenario, design, options.design);
-  StudyResult result = Study(design, AtStates(design, options.design.threads));
+  StudyResult result = Study(design, SolveAtStates(design, options.design.threads));
   if (trials) trials->Finish(&result);
   return result;
 }
 
 StudyResult Study(Flight flight, const StudyOptions& options) {
-  const StudyDesign design = DesignOf(std::move(flight), options.design);
-  return Study(design, AtStates(design, options.design.threads));
+  const StudyDesign design = MakeDesign(std::move(flight), options.design);
+  return Study(design, SolveAtStates(design, options.design.threads));
 }
 
 }  // namespace dn

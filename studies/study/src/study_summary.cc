@@ -44,12 +44,12 @@ std::string DirectionLines(const StudyResult& study, const StudyDirection& direc
   text += fmt::format("\n{}sigma of {} {:.3g} {}, multiple correlation with the others {:.2f}\n",
                       indent, direction.leading, direction.sigma, direction.unit,
                       direction.correlation);
-  text += "  cause   " + Wrapped(CauseWords(study, direction), indent);
+  text += "  cause   " + WrapText(CauseWords(study, direction), indent);
   std::string remedy = RemedyWords(study, direction);
   if (const auto tried = direction.remedy()) {
     remedy += fmt::format(": {:.3g} {}", tried->sigma, direction.unit);
   }
-  return text + "  remedy  " + Wrapped(remedy, indent);
+  return text + "  remedy  " + WrapText(remedy, indent);
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ std::string StudySummary(const StudyResult& study) {
   if (!study.observable()) {
     text += "NOT OBSERVABLE: the numbers below are not accuracies\n";
     for (const std::string& reason : UnobservableWords(study)) {
-      text += "  " + Wrapped(reason, "    ");
+      text += "  " + WrapText(reason, "    ");
     }
   }
   text += BoresightLines(study.boresight);

@@ -138,7 +138,8 @@ std::string Sweep::EstimateOf(std::uint64_t number) const {
   return estimate_;
 }
 
-SweepRecord StudyOfSweep(const Sweep& sweep, std::uint64_t number, const DesignOptions& options) {
+SweepRecord StudySweepDesign(const Sweep& sweep, std::uint64_t number,
+                             const DesignOptions& options) {
   SweepRecord record;
   record.number = number;
   record.labels = sweep.Labels(number);

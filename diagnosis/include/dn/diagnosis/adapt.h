@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/files/flight.h>
 #include <dn/diagnosis/diagnosis.h>
+#include <dn/files/flight.h>
 
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ namespace dn {
 ///   faults of the data        nothing: no key models them
 ///
 /// Leaves an unknown that is already estimated and a robust loss that is already chosen as they
-/// are. Throws InvalidInput for an effect that is not in the table and for a value that FileValue
+/// are. Throws InvalidInput for an effect that is not in the table and for a value that ToFileValue
 /// rejects. Also throws for a vibration without its window, and if flight.yaml lacks the section of
 /// the sensor.
 FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes);
@@ -40,11 +40,11 @@ FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis);
 std::string AdaptedKey(const std::string& effect);
 
 /// Returns the causes that the verdict names, in the order of the verdict.
-std::vector<GapCause> CausesOfVerdict(const GapDiagnosis& diagnosis);
+std::vector<GapCause> VerdictCauses(const GapDiagnosis& diagnosis);
 
 /// Returns the estimate in the file's unit, clamped to the bounds of the effect table (a negative
 /// sigma becomes 0). Throws InvalidInput for a value that is not finite and for a wrong number of
 /// values.
-std::vector<double> FileValue(const GapCause& cause);
+std::vector<double> ToFileValue(const GapCause& cause);
 
 }  // namespace dn

@@ -44,7 +44,7 @@ struct GapCause {
   Eigen::VectorXd estimate;  ///< components of a fixed effect, a ratio, or sigmas followed by tau
   Eigen::VectorXd sigma;
   double absorbed_fraction = 0.0;  ///< share of the signature absorbed by the unknowns
-  Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d boresight_shift_rad = Eigen::Vector3d::Zero();
   std::vector<std::string> inseparable_from;
   std::optional<double> held_out_gain_nats;
   std::optional<double> shrinkage;
@@ -98,7 +98,7 @@ struct GapShrinkage {
 };
 
 /// Detection limits of an effect, in `unit`: up to these sizes it can stay undetected.
-struct HiddenEffect {
+struct DetectionLimit {
   std::string effect;
   std::string unit;
   /// Minimal detectable bias in the best-determined direction; infinite if no size is detectable.
@@ -106,7 +106,7 @@ struct HiddenEffect {
   /// Smallest size that can be named correctly; nullopt if the geometry never separates the effect.
   std::optional<double> minimal_identifiable;
   /// External reliability: shift of the boresight caused by a bias of size `minimal_detectable`.
-  Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d boresight_shift_rad = Eigen::Vector3d::Zero();
   std::vector<std::string> inseparable_from;  ///< effects that it can be mistaken for at any size
   /// Minimal detectable bias of each component alone; infinite if no size is detectable.
   Eigen::VectorXd detectable_by_component = {};
@@ -117,7 +117,7 @@ struct HiddenEffect {
 struct GapImplausible {
   std::string effect;
   /// Size in multiples of the typical one, for the first component that is implausibly large.
-  double usual_sizes = 0.0;
+  double typical_sizes = 0.0;
   std::string discrepancy;
 };
 
@@ -169,7 +169,7 @@ struct GapDiagnosis {
   std::vector<GapDiscrepancy> discrepancies;  ///< every unmodelled discrepancy, most probable first
   GapVerdict verdict;
   std::optional<GapShrinkage> shrinkage;
-  std::vector<HiddenEffect> could_still_hide;
+  std::vector<DetectionLimit> could_still_hide;
   std::vector<FingerprintValue> fingerprint;
   GapValidity validity;
   std::vector<std::pair<std::string, double>> timings_s;

@@ -17,6 +17,7 @@ namespace dn {
 /// `solution` belongs to an adjusted flight, or to a design at its assumed states. Only the options
 /// `effects`, `left_out`, `seed`, `threads` and `interrupted` are used. Throws InvalidConfig for
 /// invalid options, and Interrupted.
-std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOptions& options = {});
+std::vector<DetectionLimit> DesignDetectionLimits(const Solution& solution,
+                                                  const GapOptions& options = {});
 
 }  // namespace dn

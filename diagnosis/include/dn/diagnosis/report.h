@@ -15,11 +15,11 @@ Json GapJson(const GapDiagnosis& diagnosis);
 
 /// Returns the detection limits as in gap.json: sizes in the units of the effect table, shift of
 /// the boresight in mdeg.
-Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects);
+Json DetectionLimitsJson(const std::vector<DetectionLimit>& effects);
 
 /// Returns the effects that are undetectable at any size in one line. One line each follows for the
 /// five effects that can shift the boresight most.
-std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight);
+std::string DetectionLimitsSummary(const std::vector<DetectionLimit>& effects, bool with_boresight);
 
 /// Returns a short description of the part of the gap that no effect explains; "" if there is none.
 std::string UnexplainedWords(const GapDiagnosis& diagnosis);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/files/flight.h>
 #include <dn/diagnosis/diagnosis.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/sim/scenario.h>
 
@@ -11,9 +11,9 @@
 
 namespace dn {
 
-/// File name of the trajectory that a TwinScenario replays; the file is in the folder of the
+/// File name of the trajectory that a MakeReplicateScenario replays; the file is in the folder of the
 /// scenario.
-inline constexpr const char* kTwinTrajectoryFile = "trajectory.out";
+inline constexpr const char* kReplayTrajectoryFile = "trajectory.out";
 
 /// Returns a scenario that flies a flight again with the given effects (a parametric bootstrap
 /// replicate). The estimated trajectory and boresight become the truth. Strips, rates, the assumed
@@ -22,8 +22,9 @@ inline constexpr const char* kTwinTrajectoryFile = "trajectory.out";
 /// are estimated from the pairs.
 ///
 /// `flight` must have IMU and GNSS data. Data gaps are not reproduced. Throws InvalidInput if the
-/// flight has none, or if FileValue rejects a cause.
-Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
-                      const std::vector<GapCause>& causes, const Eigen::Vector3d& boresight_rad);
+/// flight has none, or if ToFileValue rejects a cause.
+Scenario MakeReplicateScenario(const Flight& flight, const Trajectory& estimated,
+                               const std::vector<GapCause>& causes,
+                               const Eigen::Vector3d& boresight_rad);
 
 }  // namespace dn

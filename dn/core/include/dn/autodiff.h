@@ -14,15 +14,15 @@ namespace dn {
 
 /// Returns the NaN that marks residuals and Jacobians before a factor is evaluated. Its bit pattern
 /// distinguishes a value that the factor did not write from a computed NaN.
-inline double Unwritten() { return std::bit_cast<double>(std::uint64_t{0x7ff8'0000'dead'beef}); }
+inline double UnwrittenNan() { return std::bit_cast<double>(std::uint64_t{0x7ff8'0000'dead'beef}); }
 inline bool IsUnwritten(double value) {
-  return std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(Unwritten());
+  return std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(UnwrittenNan());
 }
 
 /// Computes the residual and Jacobians of `function(x, r)` by automatic differentiation. `function`
 /// is a template over the number type of x and r, with R residuals and blocks of the given sizes.
 /// Arguments and layout are those of FactorBase::Evaluate. Rows that the function does not write
-/// stay Unwritten.
+/// stay UnwrittenNan.
 template <int R, int... kSizes, class Function>
 bool Differentiate(const Function& function, double const* const* x, double* r, double** J) {
   constexpr int kBlocks = sizeof...(kSizes);
@@ -36,7 +36,7 @@ bool Differentiate(const Function& function, double const* const* x, double* r, 
     for (int i = 0; i < kSize[b]; ++i, ++k) jets[k] = Jet(x[b][i], k);
   }
   std::array<Jet, R> out;
-  out.fill(Jet(Unwritten()));
+  out.fill(Jet(UnwrittenNan()));
   if (!function(blocks.data(), out.data())) return false;
   for (int i = 0; i < R; ++i) r[i] = out[i].a;
   for (int b = 0, k = 0; b < kBlocks; k += kSize[b], ++b) {
@@ -69,7 +69,7 @@ bool DifferentiateDynamic(const Function& function, const std::vector<int>& size
   do {
     const std::size_t past = std::min(wanted.size(), first + kStride);
     for (std::size_t k = first; k < past; ++k) wanted[k]->v[static_cast<int>(k - first)] = 1.0;
-    std::vector<Jet> out(static_cast<std::size_t>(residuals), Jet(Unwritten()));
+    std::vector<Jet> out(static_cast<std::size_t>(residuals), Jet(UnwrittenNan()));
     if (!function(blocks.data(), out.data())) return false;
     for (int i = 0; i < residuals; ++i) {
       const Jet& row = out[static_cast<std::size_t>(i)];

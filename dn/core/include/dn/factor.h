@@ -29,7 +29,7 @@ class FactorBase {
   /// Computes the residual r and, if J and J[i] are not null, the Jacobian with respect to the
   /// *stored* coordinates of block i, row-major residual_size x stored_size. Only the product of a
   /// Jacobian with the block's PlusJacobian is used, so only this product must be correct. r and J
-  /// are Unwritten on entry. A value that stays Unwritten, or is not finite, ends an adjustment
+  /// are UnwrittenNan on entry. A value that stays UnwrittenNan, or is not finite, ends an adjustment
   /// with a message that names the factor. An exception also ends it, and reaches the caller as
   /// InvalidInput.
   virtual bool Evaluate(double const* const* x, double* r, double** J) const = 0;
@@ -88,7 +88,7 @@ class Factor : public FactorBase {
 
   int residual_size() const final { return R; }
   const std::vector<BlockKind>& block_kinds() const final {
-    static const std::vector<BlockKind> kinds{KindOf<Kinds>()...};
+    static const std::vector<BlockKind> kinds{MakeBlockKind<Kinds>()...};
     return kinds;
   }
 
@@ -101,7 +101,7 @@ class Factor : public FactorBase {
     static_assert(Matrix::RowsAtCompileTime == R, "Put: the Jacobian needs one row per residual");
     static_assert(Matrix::ColsAtCompileTime == Kind::kTangentSize,
                   "Put: the Jacobian needs one column per tangent coordinate of the block");
-    if (J != nullptr) PutJacobian(KindOf<Kind>(), x[I], J_r_xI, J[I]);
+    if (J != nullptr) PutJacobian(MakeBlockKind<Kind>(), x[I], J_r_xI, J[I]);
   }
 };
 

@@ -13,13 +13,13 @@
 namespace dn {
 
 /// View of a std::vector of blocks of one kind, as passed to a function: size(), and [i], which is
-/// block i as ViewOf presents it.
+/// block i as MakeView presents it.
 template <class Kind, class T>
 class BlockViews {
  public:
   BlockViews(const T* const* x, int size) : x_(x), size_(size) {}
   int size() const { return size_; }
-  auto operator[](int i) const { return ViewOf<Kind, T>(x_[i]); }
+  auto operator[](int i) const { return MakeView<Kind, T>(x_[i]); }
 
  private:
   const T* const* x_;
@@ -40,7 +40,7 @@ constexpr bool IsExpression() {
 
 /// Compares the two sizes as template arguments, so that the compiler's message shows both.
 template <int kReturned, int kNoise>
-struct SizesOf {
+struct ResidualSizes {
   static_assert(
       kReturned == kNoise,
       "Network::Add: the function returns a different number of residuals than its Noise<R> "
@@ -64,7 +64,7 @@ bool Unpack(const Result& result, std::array<T, R>* f) {
                   "numbers, so it cannot be differentiated");
     static_assert(Result::SizeAtCompileTime != Eigen::Dynamic && Result::ColsAtCompileTime == 1,
                   "Network::Add: the function must return a number or a vector of fixed size");
-    static_assert(SizesOf<Result::SizeAtCompileTime, R>::kEqual);
+    static_assert(ResidualSizes<Result::SizeAtCompileTime, R>::kEqual);
     for (int i = 0; i < R; ++i) (*f)[static_cast<std::size_t>(i)] = result[i];
     return true;
   } else {
@@ -75,7 +75,7 @@ bool Unpack(const Result& result, std::array<T, R>* f) {
     static_assert(std::is_same_v<Result, T>,
                   "Network::Add: the result of the function does not depend on the blocks' type of "
                   "numbers, so it cannot be differentiated");
-    static_assert(SizesOf<1, R>::kEqual);
+    static_assert(ResidualSizes<1, R>::kEqual);
     (*f)[0] = result;
     return true;
   }
@@ -100,7 +100,7 @@ bool Whiten(const Eigen::Matrix<double, R, R>& W, const Result& result, T* r) {
 /// Factor of a function: r = W f(blocks), differentiated automatically. See Network::Add.
 template <class Function, int R, class... Kinds>
 class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>, R, Kinds...> {
-  static_assert(std::is_invocable_v<const Function&, decltype(ViewOf<Kinds>(
+  static_assert(std::is_invocable_v<const Function&, decltype(MakeView<Kinds>(
                                                          static_cast<const double*>(nullptr)))...>,
                 "Network::Add: the function cannot be called with these blocks: it takes one const "
                 "auto& per block, in their order");
@@ -120,7 +120,7 @@ class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>
  private:
   template <class T, std::size_t... I>
   bool Residual(const T* const* x, T* r, std::index_sequence<I...>) const {
-    return internal::Whiten<R, T>(W_, function_(ViewOf<Kinds>(x[I])...), r);
+    return internal::Whiten<R, T>(W_, function_(MakeView<Kinds>(x[I])...), r);
   }
 
   Function function_;
@@ -135,7 +135,7 @@ class ListFunctionFactor final : public DynamicFactor {
 
  public:
   ListFunctionFactor(Function function, const Noise<R>& noise, std::size_t num_blocks)
-      : DynamicFactor(R, std::vector<BlockKind>(num_blocks, KindOf<Kind>())),
+      : DynamicFactor(R, std::vector<BlockKind>(num_blocks, MakeBlockKind<Kind>())),
         function_(std::move(function)),
         W_(noise.sqrt_information()) {}
 

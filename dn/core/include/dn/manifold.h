@@ -68,12 +68,12 @@ inline constexpr ManifoldFunctions kManifoldFunctions{
     [](const double* x, double* J) { ManifoldPlusJacobian<M>(x, J); }};
 
 template <class Kind>
-struct ValueOf {
+struct BlockValue {
   using type = Eigen::Matrix<double, Kind::kSize, 1>;
 };
 template <class Kind>
 requires requires { typename Kind::Value; }
-struct ValueOf<Kind> {
+struct BlockValue<Kind> {
   using type = typename Kind::Value;
 };
 
@@ -81,7 +81,7 @@ struct ValueOf<Kind> {
 
 /// Returns the run-time description of a block kind: a built-in kind or a ManifoldKind.
 template <class Kind>
-constexpr BlockKind KindOf() {
+constexpr BlockKind MakeBlockKind() {
   if constexpr (internal::BuiltInKind<Kind>) {
     return Kind::kKind;
   } else {
@@ -94,12 +94,12 @@ constexpr BlockKind KindOf() {
 
 /// Type of Network::Value for a block kind.
 template <class Kind>
-using ValueOf = typename internal::ValueOf<Kind>::type;
+using BlockValue = typename internal::BlockValue<Kind>::type;
 
 /// Returns the view of a block with the numbers x that functions given to Network::Add receive.
 template <class Kind, class T>
-auto ViewOf(const T* x) {
-  if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
+auto MakeView(const T* x) {
+  if constexpr (std::is_same_v<BlockValue<Kind>, double>) {
     return *x;
   } else if constexpr (requires { typename Kind::template View<T>; }) {
     return typename Kind::template View<T>(x);
@@ -110,8 +110,8 @@ auto ViewOf(const T* x) {
 
 /// Copies the stored numbers of a value to x.
 template <class Kind>
-void StoreValue(const ValueOf<Kind>& value, double* x) {
-  if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
+void StoreValue(const BlockValue<Kind>& value, double* x) {
+  if constexpr (std::is_same_v<BlockValue<Kind>, double>) {
     *x = value;
   } else if constexpr (requires { value.coeffs().data(); }) {
     std::copy_n(value.coeffs().data(), Kind::kSize, x);

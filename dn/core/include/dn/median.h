@@ -7,7 +7,7 @@
 namespace dn {
 
 /// Ratio of the standard deviation of normal errors to the median of their absolute values.
-inline constexpr double kSigmaOfMedian = 1.4826;
+inline constexpr double kSigmaPerMedian = 1.4826;
 
 /// Returns the median of the values; for an even number, the upper of the two middle values. The
 /// list must not be empty.

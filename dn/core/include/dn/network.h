@@ -116,10 +116,11 @@ class Network {
   /// The value is projected onto its manifold by a Plus of zero. Throws as AddVector does, and
   /// InvalidInput if Plus cannot move the value in every direction.
   template <class Kind>
-  Block<Kind> AddBlock(const std::string& name, const std::type_identity_t<ValueOf<Kind>>& value) {
+  Block<Kind> AddBlock(const std::string& name,
+                       const std::type_identity_t<BlockValue<Kind>>& value) {
     double x[Kind::kSize];
     StoreValue<Kind>(value, x);
-    return {AddStored(name, KindOf<Kind>(), x)};
+    return {AddStored(name, MakeBlockKind<Kind>(), x)};
   }
 
   /// Adds a factor on blocks; a block of the wrong kind is a compile error.
@@ -202,16 +203,16 @@ class Network {
   /// Returns the current value of a block. Throws InvalidInput if the handle does not match a block
   /// of this network; a handle of another network is detected only if the kinds differ.
   template <class Kind>
-  ValueOf<Kind> Value(Block<Kind> b) const {
-    CheckKind(b.id, KindOf<Kind>());
-    return ValueOf<Kind>(ViewOf<Kind>(std::as_const(*this).block(b.id).value.get()));
+  BlockValue<Kind> Value(Block<Kind> b) const {
+    CheckKind(b.id, MakeBlockKind<Kind>());
+    return BlockValue<Kind>(MakeView<Kind>(std::as_const(*this).block(b.id).value.get()));
   }
 
   /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if it is not
   /// finite.
   template <class Kind>
-  void SetValue(Block<Kind> b, const std::type_identity_t<ValueOf<Kind>>& value) {
-    CheckKind(b.id, KindOf<Kind>());
+  void SetValue(Block<Kind> b, const std::type_identity_t<BlockValue<Kind>>& value) {
+    CheckKind(b.id, MakeBlockKind<Kind>());
     double x[Kind::kSize];
     StoreValue<Kind>(value, x);
     SetRaw(b.id, x);
@@ -248,7 +249,7 @@ class Network {
                       std::vector<Eigen::MatrixXd>* J = nullptr) const;
 
   /// Calls FactorBase::Evaluate of one factor at the values x of its blocks, after setting r and J
-  /// to Unwritten(). Throws as EvaluateFactor does.
+  /// to UnwrittenNan(). Throws as EvaluateFactor does.
   bool EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const;
 
  private:

@@ -43,7 +43,7 @@ GnssReading Corrected(const GnssEffects& effects, double const* const* values, d
 
 /// Motion of the body at a node near the tag of an epoch. Between the node and the epoch the
 /// angular rate and the acceleration of the antenna are taken as constant.
-struct MotionAtTag {
+struct MotionNearTag {
   double tag_s = 0.0;
   Eigen::Vector3d w_ib_b_radps = Eigen::Vector3d::Zero();  ///< corrected angular rate
   Eigen::Vector3d w_ie_m_radps = Eigen::Vector3d::Zero();  ///< Earth rotation in map
@@ -75,7 +75,7 @@ class GnssAntenna final : public DynamicFactor {
 
   /// Creates the factor; z_m is the measured position (m) or velocity (m/s) in map, and `noise` is
   /// in map axes. Throws InvalidInput if a value is not finite.
-  GnssAntenna(Quantity quantity, const Eigen::Vector3d& z_m, const MotionAtTag& motion,
+  GnssAntenna(Quantity quantity, const Eigen::Vector3d& z_m, const MotionNearTag& motion,
               GnssEffects effects, const Noise<3>& noise);
 
   bool Evaluate(double const* const* x, double* r, double** J) const override;
@@ -83,7 +83,7 @@ class GnssAntenna final : public DynamicFactor {
  private:
   Quantity quantity_;
   Eigen::Vector3d z_m_;
-  MotionAtTag motion_;
+  MotionNearTag motion_;
   GnssEffects effects_;
   Eigen::Matrix3d W_;
 };

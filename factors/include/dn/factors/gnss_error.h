@@ -14,11 +14,11 @@ namespace dn {
 ///
 /// c has unit variance whatever the sigmas are. An axis with sigma zero therefore has no error, and
 /// its state is determined by the process alone.
-class GnssError final : public GnssEffect {
+class CorrelatedGnssError final : public GnssEffect {
  public:
   /// Creates the effect; R_m_enu rotates from the local east-north-up frame of the antenna to map.
   /// Throws InvalidInput unless the sigmas are finite and not negative.
-  GnssError(const GnssProcess& process, const Eigen::Matrix3d& R_m_enu);
+  CorrelatedGnssError(const GnssProcess& process, const Eigen::Matrix3d& R_m_enu);
 
   int components() const override { return 3; }
   void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,

@@ -21,7 +21,7 @@ struct LidarEnd {
   /// Nominal position of the node, where gravitation is evaluated.
   Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();
   /// Conditions the increments on the attitude of the node after the epoch; null: unconditioned.
-  std::shared_ptr<const NodeBridge> bridge = {};
+  std::shared_ptr<const IncrementConditioning> bridge = {};
 };
 
 /// Returns the covariance (m^2, map axes) that the white noise of the partial increments adds to
@@ -85,16 +85,16 @@ class LidarPoint {
 
   /// Returns the Jacobian of the point with respect to the partial increments: rotation (right, at
   /// the end), velocity, position.
-  Eigen::Matrix<double, 3, 9> ByIncrements(const Arguments& at) const;
+  Eigen::Matrix<double, 3, 9> IncrementJacobian(const Arguments& at) const;
 
   /// Returns the Jacobian of the point with respect to gravitation in addition to the normal one,
   /// map axes.
-  Eigen::Matrix3d ByAttraction(double ddt_s) const;
+  Eigen::Matrix3d GravitationJacobian(double ddt_s) const;
 
-  /// Returns the same point with changed increments (tangent of ByIncrements) and additional
+  /// Returns the same point with changed increments (tangent of IncrementJacobian) and additional
   /// gravitation.
   LidarPoint Moved(const Eigen::Matrix<double, 9, 1>& increments,
-                   const Eigen::Vector3d& attraction_mps2) const;
+                   const Eigen::Vector3d& gravitation_mps2) const;
 
  private:
   StateAfterNode state_;

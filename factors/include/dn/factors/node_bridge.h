@@ -24,7 +24,7 @@ namespace dn {
 /// linearisation, because a change of the gyro bias moves z_t and K r equally. For the same reason
 /// the velocities are not used: through them an accelerometer bias would rotate the points. Source:
 /// conditional normal distribution.
-class NodeBridge {
+class IncrementConditioning {
  public:
   using Vector9 = Eigen::Matrix<double, 9, 1>;
   using Matrix9 = Eigen::Matrix<double, 9, 9>;
@@ -32,7 +32,8 @@ class NodeBridge {
   /// Creates the conditioning. `partial` are the increments from a node to an epoch, `whole` those
   /// from that node to the next, with the same linearisation. For an epoch after the next node K is
   /// zero. Throws InvalidInput if the two start at different times or their effects differ.
-  NodeBridge(const LocalFrame& frame, const Preintegrated& partial, const Preintegrated& whole);
+  IncrementConditioning(const LocalFrame& frame, const Preintegrated& partial,
+                        const Preintegrated& whole);
 
   /// Returns the covariance of the partial increments given the rotation between the nodes.
   const Matrix9& covariance() const { return covariance_; }

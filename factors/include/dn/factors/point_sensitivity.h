@@ -10,7 +10,7 @@
 namespace dn {
 
 /// Jacobians of the whitened residual of a pair with respect to changes of the data of one point.
-/// The columns of any effect, whether the factor has it or not, follow from them (AddByEffects).
+/// The columns of any effect, whether the factor has it or not, follow from them (AddEffectJacobians).
 struct PointSensitivity {
   Eigen::Matrix3d u_b;        ///< laser vector T_bs u_s, m
   Eigen::Matrix3d turn_b;     ///< rotation added to the rotation vector of the boresight, rad
@@ -19,7 +19,7 @@ struct PointSensitivity {
   /// Increments to the epoch, tangent order of Preintegrated.
   Eigen::Matrix<double, 3, 9> increments;
   /// Rotation increment of the whole interval to the next node, rad; zero if the end has no
-  /// NodeBridge.
+  /// IncrementConditioning.
   Eigen::Matrix3d whole = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d attraction;  ///< gravitation in addition to the normal one, map axes, m/s^2
 };
@@ -27,9 +27,10 @@ struct PointSensitivity {
 /// Returns the Jacobians of W x for the point x of a LidarPoint at the given arguments. theta_rad
 /// is the rotation vector of the boresight at.q_boresight; `of` are the derivatives of the point
 /// there.
-PointSensitivity SensitivityOf(const LidarPoint& point, const LidarPoint::Arguments& at,
-                               const LidarPoint::Derivatives& of, const Eigen::Vector3d& theta_rad,
-                               const Eigen::Matrix3d& W);
+PointSensitivity ComputePointSensitivity(const LidarPoint& point, const LidarPoint::Arguments& at,
+                                         const LidarPoint::Derivatives& of,
+                                         const Eigen::Vector3d& theta_rad,
+                                         const Eigen::Matrix3d& W);
 
 /// Derivatives of the data of a point with respect to the values of effects, one column per
 /// component.
@@ -40,12 +41,12 @@ struct EffectsOnPoint {
   /// Derivatives of the rotation increment of the whole interval with respect to the same effects;
   /// null without a bridge.
   const Eigen::Matrix3Xd* whole = nullptr;
-  const std::vector<AttractionBasis>& attraction;
+  const std::vector<GravitationBasis>& attraction;
 };
 
 /// Adds d residual / d value to `sum`: first the columns of the lidar effects, then of the inertial
 /// effects, then of the effects on gravitation. T_bs is the nominal mounting.
-void AddByEffects(const PointSensitivity& point, const EffectsOnPoint& effects,
-                  const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum);
+void AddEffectJacobians(const PointSensitivity& point, const EffectsOnPoint& effects,
+                        const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum);
 
 }  // namespace dn

@@ -23,7 +23,7 @@ namespace dn {
 ///
 /// The LidarPoint x of each end uses the corrected reading: its laser vector, its epoch tag - dt -
 /// delay, and the boresight Exp(theta + turn). The partial increments are corrected by the
-/// NodeBridge, by the values of the inertial effects (to first order, d_e from their linearisation)
+/// IncrementConditioning, by the values of the inertial effects (to first order, d_e from their linearisation)
 /// and by the additional gravitation.
 ///
 ///   block  | symbol | stored | tangent | meaning
@@ -43,7 +43,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   /// InvalidInput as PointToPoint does.
   PointToPointBetweenNodes(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
                            double tag_i_s, double tag_j_s, const Eigen::Matrix3d& T_bs_nominal,
-                           LidarEffects lidar, std::vector<AttractionBasis> attraction,
+                           LidarEffects lidar, std::vector<GravitationBasis> attraction,
                            const Noise<3>& noise_m);
 
   bool Evaluate(double const* const* x, double* r, double** J) const override;
@@ -58,7 +58,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
     double tag_s, t_end_s;
     Eigen::Vector3d u_s;
     Eigen::Matrix<double, 9, Eigen::Dynamic> J_increments;
-    std::shared_ptr<const NodeBridge> bridge;
+    std::shared_ptr<const IncrementConditioning> bridge;
     std::size_t node, node_after;  // indices of the first blocks
   };
   /// An end at given values of the blocks.
@@ -68,7 +68,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
     LidarReading reading;
     Eigen::Vector3d theta;  // rotation vector of its boresight
     Eigen::Vector3d turn;   // rotation correction of its increments by bridge and inertial effects
-    NodeBridge::Correction bridged;
+    IncrementConditioning::Correction bridged;
   };
 
   static End MakeEnd(const LocalFrame& frame, const LidarEnd& end, double tag_s, std::size_t node,
@@ -76,15 +76,15 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   EndAt At(const End& end, double const* const* x) const;
   Eigen::Index NumEffectValues() const;
   Eigen::VectorXd ImuChange(double const* const* x) const;
-  Eigen::Vector3d AttractionOf(double const* const* x) const;
+  Eigen::Vector3d AdditionalGravitation(double const* const* x) const;
 
   /// Returns the Jacobian of an end's point with respect to its increments.
-  static Eigen::Matrix<double, 3, 9> ByIncrements(const EndAt& at);
-  static PointSensitivity SensitivityOfEnd(const End& end, const EndAt& at,
-                                           const LidarPoint::Derivatives& of,
-                                           const Eigen::Matrix3d& W);
-  void AddByOwnEffects(const End& end, const EndAt& at, const PointSensitivity& point,
-                       Eigen::Matrix3Xd* sum) const;
+  static Eigen::Matrix<double, 3, 9> IncrementJacobian(const EndAt& at);
+  static PointSensitivity EndSensitivity(const End& end, const EndAt& at,
+                                         const LidarPoint::Derivatives& of,
+                                         const Eigen::Matrix3d& W);
+  void AddEndEffectJacobians(const End& end, const EndAt& at, const PointSensitivity& point,
+                             Eigen::Matrix3Xd* sum) const;
 
   std::size_t first_imu_block() const { return first_lidar_block_ + lidar_.size(); }
   std::size_t first_attraction_block() const { return first_imu_block() + imu_.size(); }
@@ -92,7 +92,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   std::size_t first_lidar_block_;
   LidarEffects lidar_;
   ImuEffectValues imu_;  // values at the linearisation
-  std::vector<AttractionBasis> attraction_;
+  std::vector<GravitationBasis> attraction_;
   Eigen::Matrix3d T_bs_;
   Eigen::Matrix3d W_;
   End i_, j_;

@@ -14,7 +14,7 @@ namespace dn {
 
 /// Gravitation (m/s^2, map axes) in addition to the normal one, per unit of the values of one
 /// effect.
-using AttractionBasis = Eigen::Matrix3Xd;
+using GravitationBasis = Eigen::Matrix3Xd;
 
 /// Inertial increments between two nodes on the rotating Earth, in the exact inertial form.
 ///
@@ -26,7 +26,7 @@ using AttractionBasis = Eigen::Matrix3Xd;
 /// with rho = r0 + p, V = v + w x rho, C = Exp(w dt) (see EarthStep) and W^T W the inverse of the
 /// increments' covariance. d_bg = (sum of the gyro bias blocks) - linearisation, d_ba is defined
 /// likewise, and d_e = e - the values of the effects at which the increments were integrated. Every
-/// effect on gravitation adds D g to G, with D its AttractionBasis.
+/// effect on gravitation adds D g to G, with D its GravitationBasis.
 ///
 ///   block       | symbol | stored | tangent | meaning
 ///   ------------|--------|--------|---------|-----------------------------------------------
@@ -57,7 +57,7 @@ class PreintegratedInertial final : public DynamicFactor {
   PreintegratedInertial(const Preintegrated& increments, const LocalFrame& frame,
                         const Eigen::Vector3d& p_i_nominal_m, const Eigen::Vector3d& p_j_nominal_m,
                         int num_gyro_biases, int num_accel_biases,
-                        const std::vector<AttractionBasis>& attraction = {});
+                        const std::vector<GravitationBasis>& attraction = {});
 
   const Preintegrated& increments() const { return increments_; }
 
@@ -68,11 +68,11 @@ class PreintegratedInertial final : public DynamicFactor {
     using Quat = Eigen::Quaternion<T>;
     const Eigen::Map<const Quat> q_i(x[0]), q_j(x[3]);
     const Eigen::Map<const Vec3> p_i(x[1]), v_i(x[2]), p_j(x[4]), v_j(x[5]);
-    const Vec3 d_bg = SumOfBlocks(x + 6, num_gyro_biases_) -
+    const Vec3 d_bg = SumBlocks(x + 6, num_gyro_biases_) -
                       increments_.linearisation.gyro_bias_radps.template cast<T>();
-    const Vec3 d_ba = SumOfBlocks(x + 6 + num_gyro_biases_, num_accel_biases_) -
+    const Vec3 d_ba = SumBlocks(x + 6 + num_gyro_biases_, num_accel_biases_) -
                       increments_.linearisation.accel_bias_mps2.template cast<T>();
-    const Eigen::Matrix<T, 9, 1> by_effects = ByEffects(x);
+    const Eigen::Matrix<T, 9, 1> by_effects = EffectIncrements(x);
 
     const Vec3 xi = Times(increments_.J_q_bg, d_bg) + by_effects.template head<3>();
     const Quat dq = increments_.delta_q.template cast<T>() * Exp(xi);
@@ -80,7 +80,7 @@ class PreintegratedInertial final : public DynamicFactor {
     const Vec3 r_R = Log(Quat(dq.conjugate() * q_ij));
 
     Vec3 v_attraction = Vec3::Zero(), p_attraction = Vec3::Zero();
-    AddAttraction(x, &v_attraction, &p_attraction);
+    AddGravitation(x, &v_attraction, &p_attraction);
     const Vec3 y_v =
         q_i.conjugate() * Vec3(Times(C_, v_j) - v_i + Times(v_p_i_, p_i) + Times(v_p_j_, p_j) +
                                v_0_.template cast<T>() + v_attraction);
@@ -105,14 +105,14 @@ class PreintegratedInertial final : public DynamicFactor {
 
  private:
   template <class T>
-  static Eigen::Matrix<T, 3, 1> SumOfBlocks(T const* const* x, int count) {
+  static Eigen::Matrix<T, 3, 1> SumBlocks(T const* const* x, int count) {
     Eigen::Matrix<T, 3, 1> sum = Eigen::Matrix<T, 3, 1>::Zero();
     for (int i = 0; i < count; ++i) sum += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(x[i]);
     return sum;
   }
   /// Returns the change of the increments by their effects, in tangent order.
   template <class T>
-  Eigen::Matrix<T, 9, 1> ByEffects(T const* const* x) const {
+  Eigen::Matrix<T, 9, 1> EffectIncrements(T const* const* x) const {
     Eigen::Matrix<T, 9, 1> sum = Eigen::Matrix<T, 9, 1>::Zero();
     Eigen::Index column = 0;
     int block = first_effect();
@@ -128,10 +128,10 @@ class PreintegratedInertial final : public DynamicFactor {
 
   /// Adds the contribution of the effects on gravitation to the brackets of r_v and r_p.
   template <class T>
-  void AddAttraction(T const* const* x, Eigen::Matrix<T, 3, 1>* v,
-                     Eigen::Matrix<T, 3, 1>* p) const {
+  void AddGravitation(T const* const* x, Eigen::Matrix<T, 3, 1>* v,
+                      Eigen::Matrix<T, 3, 1>* p) const {
     int block = first_attraction();
-    for (const AttractionBracket& one : attraction_) {
+    for (const GravitationBracket& one : attraction_) {
       for (Eigen::Index c = 0; c < one.v.cols(); ++c) {
         *v += one.v.col(c).template cast<T>() * x[block][c];
         *p += one.p.col(c).template cast<T>() * x[block][c];
@@ -148,7 +148,7 @@ class PreintegratedInertial final : public DynamicFactor {
 
   /// Derivatives of the brackets of r_v and r_p with respect to the values of an effect on
   /// gravitation.
-  struct AttractionBracket {
+  struct GravitationBracket {
     Eigen::Matrix3Xd v, p;
   };
 
@@ -170,7 +170,7 @@ class PreintegratedInertial final : public DynamicFactor {
   // -v_i dt + p_p_i p_i + p_p_j p_j + p_0.
   Eigen::Matrix3d v_p_i_, v_p_j_, p_p_i_, p_p_j_;
   Eigen::Vector3d v_0_, p_0_;
-  std::vector<AttractionBracket> attraction_;
+  std::vector<GravitationBracket> attraction_;
 };
 
 }  // namespace dn

@@ -70,12 +70,12 @@ class StateAfterNode {
   /// Returns the same function with changed increments (tangent order of Preintegrated) and
   /// additional gravitation.
   StateAfterNode Moved(const Eigen::Matrix<double, 9, 1>& increments,
-                       const Eigen::Vector3d& attraction_mps2) const;
+                       const Eigen::Vector3d& gravitation_mps2) const;
 
   /// Returns the Jacobian of position and velocity with respect to gravitation in addition to the
   /// normal one, map axes.
-  Eigen::Matrix3d PositionByAttraction() const;
-  Eigen::Matrix3d VelocityByAttraction() const;
+  Eigen::Matrix3d PositionGravitationJacobian() const;
+  Eigen::Matrix3d VelocityGravitationJacobian() const;
 
   const AffineStep& step() const { return step_; }
   const Eigen::Quaterniond& delta_q() const { return delta_q_; }

@@ -9,6 +9,6 @@ namespace dn {
 /// increments. Samples across a gap and samples that bridge a hole are not averaged with others.
 /// Samples longer than longest_s stay as they are. Increments over whole averaged samples equal
 /// those of the data, except for coning and sculling within them.
-ImuData MeansOver(const ImuData& imu, double longest_s);
+ImuData AverageSamples(const ImuData& imu, double longest_s);
 
 }  // namespace dn

@@ -30,7 +30,7 @@ struct NoiseWindow {
   /// Log-likelihood relative to the assumed noise alone, nats.
   double log_likelihood = 0.0;
   /// Log-likelihood relative to noise of another level during the whole flight, nats.
-  double log_likelihood_over_flight = 0.0;
+  double log_likelihood_against_scale = 0.0;
 };
 
 /// Log Bayes factors of the hypotheses about the high band, relative to the assumed noise, nats.
@@ -48,7 +48,7 @@ struct NoiseEvidence {
 };
 
 /// Hypotheses about the noise in the high band.
-enum class NoiseAccount {
+enum class NoiseHypothesis {
   kAssumed,         ///< the assumed noise
   kScale,           ///< white noise of another level in one triad or both
   kWindow,          ///< additional white noise in a window
@@ -59,7 +59,7 @@ enum class NoiseAccount {
 
 /// Returns the hypothesis with the largest evidence. Each triad uses its own best hypothesis where
 /// the joint one allows it.
-NoiseAccount BestAccount(const NoiseEvidence& evidence);
+NoiseHypothesis BestHypothesis(const NoiseEvidence& evidence);
 
 /// Log Bayes factors of the best hypothesis with a cause relative to the best one without it, nats.
 /// They can be compared with other causes of a misfit. The comparison is needed because the
@@ -76,7 +76,7 @@ struct NoiseCauses {
 };
 
 /// Computes the log Bayes factors of the causes from those of the hypotheses.
-NoiseCauses CausesOf(const NoiseEvidence& evidence);
+NoiseCauses NoiseCauseEvidence(const NoiseEvidence& evidence);
 
 /// Prior assumptions about the size of the noise.
 struct NoiseCheckOptions {
@@ -99,7 +99,7 @@ struct NoiseCheck {
   /// Most likely window; absent if no window has more noise than assumed.
   std::optional<NoiseWindow> window;
   /// Most likely window if the noise outside it has its own level.
-  std::optional<NoiseWindow> window_beside_scale;
+  std::optional<NoiseWindow> window_with_scale;
   NoiseEvidence evidence;
 };
 

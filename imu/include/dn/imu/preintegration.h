@@ -94,13 +94,13 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
 /// Computes the increments of Preintegrate from one beginning to several ends in increasing order.
 /// Every sample is integrated only once. `imu` and `noise` must outlive this object. Throws as
 /// Preintegrate.
-class GrowingIncrements {
+class IncrementalPreintegrator {
  public:
-  GrowingIncrements(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
-                    const PreintegrationNoise& noise);
-  ~GrowingIncrements();
-  GrowingIncrements(const GrowingIncrements&) = delete;
-  GrowingIncrements& operator=(const GrowingIncrements&) = delete;
+  IncrementalPreintegrator(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
+                           const PreintegrationNoise& noise);
+  ~IncrementalPreintegrator();
+  IncrementalPreintegrator(const IncrementalPreintegrator&) = delete;
+  IncrementalPreintegrator& operator=(const IncrementalPreintegrator&) = delete;
 
   /// Returns exactly the same result as Preintegrate. Throws InvalidInput also if t_end_s precedes
   /// that of the call before.
@@ -113,13 +113,14 @@ class GrowingIncrements {
 
 /// Computes only the increments of Preintegrate, without covariance and derivatives, in a fifth of
 /// the time. The ends must come in increasing order. `imu` must outlive this object. Throws as
-/// GrowingIncrements.
-class GrowingMotion {
+/// IncrementalPreintegrator.
+class IncrementalMotionIntegrator {
  public:
-  GrowingMotion(const ImuData& imu, double t_begin_s, const ImuCorrection& correction);
-  ~GrowingMotion();
-  GrowingMotion(const GrowingMotion&) = delete;
-  GrowingMotion& operator=(const GrowingMotion&) = delete;
+  IncrementalMotionIntegrator(const ImuData& imu, double t_begin_s,
+                              const ImuCorrection& correction);
+  ~IncrementalMotionIntegrator();
+  IncrementalMotionIntegrator(const IncrementalMotionIntegrator&) = delete;
+  IncrementalMotionIntegrator& operator=(const IncrementalMotionIntegrator&) = delete;
 
   /// Returns the increments up to t_end_s. Throws InvalidInput also if t_end_s precedes that of the
   /// call before.
@@ -130,7 +131,7 @@ class GrowingMotion {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Computes the increments of GrowingMotion for a single end.
+/// Computes the increments of IncrementalMotionIntegrator for a single end.
 InertialIncrements IntegrateMotion(const ImuData& imu, double t_begin_s, double t_end_s,
                                    const ImuCorrection& correction);
 

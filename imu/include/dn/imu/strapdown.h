@@ -42,7 +42,7 @@ struct EarthStep {
 
 /// Returns the derivative of gravitation with respect to position at p_m, 1/s^2, by central
 /// differences (relative accuracy 1e-7).
-Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3d& p_m);
+Eigen::Matrix3d GravitationGradient(const LocalFrame& frame, const Eigen::Vector3d& p_m);
 
 /// Computes pose and velocity at the end of increments that begin at `start`, from the equations of
 /// EarthStep. The gravitation at the end is that of a position predicted with the gravitation at

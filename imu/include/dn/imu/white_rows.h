@@ -5,7 +5,7 @@
 namespace dn {
 
 /// White noise densities estimated from the rows of inertial data.
-struct WhiteRows {
+struct WhiteNoiseDensities {
   double gyro_rad_per_sqrt_s = 0.0;
   double accel_mps_per_sqrt_s = 0.0;
 };
@@ -15,6 +15,6 @@ struct WhiteRows {
 /// axis with the largest noise. Slow motion cancels; vibration that is present most of the time is
 /// included. Rows that repeat the row before are ignored. The result is zero if no second has five
 /// distinct rows.
-WhiteRows WhiteNoiseOfRows(const ImuData& imu);
+WhiteNoiseDensities EstimateWhiteNoise(const ImuData& imu);
 
 }  // namespace dn

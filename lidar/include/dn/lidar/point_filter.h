@@ -18,6 +18,6 @@ struct PointFilter {
 
 /// Returns the reason why point `i` is not used; nullptr if it is used. In a file without return
 /// numbers every return is a last one. In a file without classes no point belongs to a class.
-const char* WhyDropped(const PointFilter& filter, const StripCloud& points, std::size_t i);
+const char* DropReason(const PointFilter& filter, const StripCloud& points, std::size_t i);
 
 }  // namespace dn

@@ -23,12 +23,12 @@ struct Misalignment {
 };
 
 /// Returns the statistics of differences p_i - p_j in the map frame, m; at least one is needed.
-Misalignment MisalignmentOf(const std::vector<Eigen::Vector3d>& differences_m);
+Misalignment ComputeMisalignment(const std::vector<Eigen::Vector3d>& differences_m);
 
 /// Returns the evenness of the pairs (Clark and Evans 1954): the mean distance to the nearest other
 /// pair, divided by that of as many random points in the area. It is 1 for random, below 1 for
 /// clustered, above 1 for even pairs, and 0 for fewer than two pairs.
-double EvennessOf(const std::vector<MatchedPair>& pairs, double area_m2);
+double ComputeEvenness(const std::vector<MatchedPair>& pairs, double area_m2);
 
 /// Returns match.json: counts per stage, misalignment before and after, levels, strips.
 Json MatchJson(const std::string& name, const MatchResult& result, const MatchSource& source);

@@ -59,7 +59,7 @@ class MatchSource {
                                    const Eigen::Vector3d& x) const = 0;
 
   /// Returns the position of the body; nullopt for strips without a trajectory. Thread-safe.
-  virtual std::optional<Eigen::Vector3d> PlaceOfBody(double /*t_s*/) const { return std::nullopt; }
+  virtual std::optional<Eigen::Vector3d> BodyPosition(double /*t_s*/) const { return std::nullopt; }
 
   /// Returns the x for which the point has the position p_m.
   virtual Eigen::Vector3d RawAt(std::size_t strip, double t_s,
@@ -79,7 +79,9 @@ class FlightMatchSource : public MatchSource {
   Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
   Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
 
-  std::optional<Eigen::Vector3d> PlaceOfBody(double t_s) const override { return PoseAt(t_s).p_mb; }
+  std::optional<Eigen::Vector3d> BodyPosition(double t_s) const override {
+    return PoseAt(t_s).p_mb;
+  }
   MapPose PoseAt(double t_s) const { return source_.PoseAt(t_s); }
   const LocalFrame& frame() const { return frame_; }
   const Mounting& mounting() const { return mounting_; }

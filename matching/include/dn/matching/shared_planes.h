@@ -29,7 +29,7 @@ struct SharePlanesOptions {
 
 /// Planes that two or more strips see.
 struct SharedPlanes {
-  std::vector<SeenPlane> planes;
+  std::vector<ObservedPlane> planes;
   std::vector<std::size_t> found;  ///< number of planes found in each strip
   std::size_t matched = 0;         ///< number of planes before the limit per bin
   double spacing_m = 0.0;

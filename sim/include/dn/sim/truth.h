@@ -25,9 +25,9 @@ struct TruthState {
 /// Normal gravity field and local axes at a point.
 struct NormalEarth {
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
-  Geodetic position;                                       ///< geodetic coordinates of p_m
-  Eigen::Matrix3d R_mn = Eigen::Matrix3d::Identity();      ///< local NED to map
-  Eigen::Vector3d attraction_m = Eigen::Vector3d::Zero();  ///< gravitation, m/s^2, in map axes
+  Geodetic position;                                        ///< geodetic coordinates of p_m
+  Eigen::Matrix3d R_mn = Eigen::Matrix3d::Identity();       ///< local NED to map
+  Eigen::Vector3d gravitation_m = Eigen::Vector3d::Zero();  ///< gravitation, m/s^2, in map axes
 
   /// Returns the normal Earth at a point in map.
   static NormalEarth At(const LocalFrame& frame, const Eigen::Vector3d& p_m);
@@ -77,8 +77,8 @@ class TruthTrajectory {
     Eigen::Vector3d rph, rph_rate;  // roll, pitch, heading, rad and rad/s
   };
   Motion MotionAt(double t_s) const;
-  TruthState StateOf(const Motion& motion, double t_s, const Eigen::Matrix3d& R_mn,
-                     const Eigen::Vector3d& attraction_m) const;
+  TruthState ComputeState(const Motion& motion, double t_s, const Eigen::Matrix3d& R_mn,
+                          const Eigen::Vector3d& gravitation_m) const;
 
   LocalFrame frame_;
   UniformSpline path_;

@@ -11,7 +11,7 @@ namespace dn {
 
 /// Parameters of the outlier test of single rows (Baarda's data snooping): significance level
 /// `alpha`, and the `power` with which an error of minimal detectable bias is found.
-struct RowTest {
+struct OutlierTest {
   double alpha = 0.001;
   double power = 0.8;
 
@@ -22,7 +22,7 @@ struct RowTest {
   /// Returns the minimal detectable bias of one row in sigmas of that row, NonCentrality /
   /// sqrt(redundancy), where `redundancy` is the redundancy number of the row. The result is
   /// infinite for redundancy 0, where the fit absorbs any error.
-  double MinimalDetectable(double redundancy) const;
+  double MinimalDetectableBias(double redundancy) const;
 };
 
 /// A row with its standardised residual.
@@ -39,7 +39,8 @@ struct ChannelFit {
   double variance_ratio = 1.0;  ///< sum of squared residuals / redundancy
   double p_value = 1.0;         ///< two-sided p-value of variance_ratio against 1
   RowFit worst;  ///< row with the largest |w| among the rows that the fit does not absorb
-  double minimal_detectable = 0.0;  ///< median of RowTest::MinimalDetectable over the rows, sigmas
+  double minimal_detectable =
+      0.0;  ///< median of OutlierTest::MinimalDetectableBias over the rows, sigmas
 };
 
 /// Result of testing whether the residuals of a network agree with its noise model.
@@ -57,18 +58,18 @@ struct FitCheck {
 /// Tests the residuals of a network at the minimum of its cost:
 ///
 ///   chi2        r^T r has a chi-square distribution with `redundancy` degrees of freedom;
-///   channels    ChannelForms with MomentsOf; the mean is the sum of the redundancy numbers;
+///   channels    ChannelForms with ComputeFormMoments; the mean is the sum of the redundancy numbers;
 ///   rows        Baarda's w of each row.
 ///
 /// A user's own groups (Network::Tag) are channels like those of a flight. Rows with a robust loss
 /// count with their robust weight, so outliers that the loss downweights do not show in the test.
 /// Throws InvalidInput if the selected inverse of `marginals` has not been computed.
-FitCheck CheckFit(const Marginals& marginals, const RowTest& test = {});
+FitCheck CheckFit(const Marginals& marginals, const OutlierTest& test = {});
 
 /// Returns the test of one channel. `redundancy` holds the redundancy number of every row of the
 /// network (RedundancyNumbers); `moments` are those of `form`.
-ChannelFit DescribeChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
-                           const FormMoments& moments, const Eigen::VectorXd& redundancy,
-                           const RowTest& test = {});
+ChannelFit TestChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
+                       const FormMoments& moments, const Eigen::VectorXd& redundancy,
+                       const OutlierTest& test = {});
 
 }  // namespace dn

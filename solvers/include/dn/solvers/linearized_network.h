@@ -33,7 +33,8 @@ class LinearizedNetwork {
     FactorId factor = -1;
     int first = 0;
     int count = 0;
-    double weight = 1.0;  ///< rho' of its robust loss; r and J contain its square root, see AsRows
+    double weight =
+        1.0;  ///< rho' of its robust loss; r and J contain its square root, see ToRowScaling
   };
 
   /// Identification of a row.
@@ -78,7 +79,7 @@ class LinearizedNetwork {
   const std::vector<FactorRows>& factors() const;
   /// Returns the rows of a factor, or nullopt if it is not active. Throws InvalidInput for an
   /// unknown id.
-  std::optional<FactorRows> RowsOf(FactorId factor) const;
+  std::optional<FactorRows> FindRows(FactorId factor) const;
   const FactorGroup& group(FactorId factor) const;
   double t_s(FactorId factor) const;
   /// Returns the identification of a row.
@@ -87,16 +88,16 @@ class LinearizedNetwork {
   /// Converts derivatives L of the whitened residual of an active factor (its rows x any number of
   /// columns) to the scaling of r and J: multiplies them by the square root of the robust weight
   /// and by the row scale.
-  Eigen::MatrixXd AsRows(const FactorRows& rows, const Eigen::MatrixXd& L) const;
+  Eigen::MatrixXd ToRowScaling(const FactorRows& rows, const Eigen::MatrixXd& L) const;
 
   /// Returns a factor at the values of the snapshot, active or not. An inactive factor is evaluated
   /// by this call; throws InvalidInput if it is undefined.
-  Factor FactorAt(FactorId factor) const;
+  Factor EvaluateFactorAt(FactorId factor) const;
 
   /// Returns the value of a block in the snapshot.
   template <class Kind>
-  ValueOf<Kind> Value(Block<Kind> b) const {
-    return ValueOf<Kind>(ViewOf<Kind>(StoredValue(b.id)));
+  BlockValue<Kind> Value(Block<Kind> b) const {
+    return BlockValue<Kind>(MakeView<Kind>(StoredValue(b.id)));
   }
   /// Returns the stored coordinates of a block in the snapshot.
   const double* StoredValue(BlockId block) const;

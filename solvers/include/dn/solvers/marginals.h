@@ -51,8 +51,8 @@ struct MarginalsOptions {
 /// A constant block has zero covariance. A block that is not constant but has no active factor has
 /// no covariance: a query for it throws RankDeficient.
 ///
-/// Const methods fill a cache, so an object must be used by one thread at a time. Only PatternBlock
-/// and PatternOf are safe to call concurrently.
+/// Const methods fill a cache, so an object must be used by one thread at a time. Only SelectedCovariance
+/// and JointSelectedCovariance are safe to call concurrently.
 ///
 /// Source: supernodal form of Takahashi, Fagan and Chen (1973), eq. (7) Z = D^-1 L^-1 + (I - L^T)
 /// Z.
@@ -106,7 +106,7 @@ class Marginals {
   template <class Kind>
   auto Sigma(Block<Kind> a) const {
     Eigen::Matrix<double, Kind::kTangentSize, 1> sigma = Covariance(a).diagonal().cwiseSqrt();
-    if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
+    if constexpr (std::is_same_v<BlockValue<Kind>, double>) {
       return sigma[0];
     } else {
       return sigma;
@@ -145,11 +145,11 @@ class Marginals {
   /// Returns the cross covariance of two blocks from the selected inverse, or nullopt if it is
   /// outside the pattern of L. Blocks that share an active factor are always inside. Throws
   /// InvalidInput before ComputeSelectedInverse.
-  std::optional<Eigen::MatrixXd> PatternBlock(BlockId a, BlockId b) const;
+  std::optional<Eigen::MatrixXd> SelectedCovariance(BlockId a, BlockId b) const;
 
   /// Returns the joint covariance of the blocks, in the order given, with zeros for constant
-  /// blocks. Returns nullopt and throws as PatternBlock does.
-  std::optional<Eigen::MatrixXd> PatternOf(std::span<const BlockId> blocks) const;
+  /// blocks. Returns nullopt and throws as SelectedCovariance does.
+  std::optional<Eigen::MatrixXd> JointSelectedCovariance(std::span<const BlockId> blocks) const;
 
   /// Returns the normal matrix of a block with all other unknowns eliminated: the inverse of
   /// Covariance(a). Throws InvalidInput for a constant block.

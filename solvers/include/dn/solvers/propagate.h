@@ -50,7 +50,7 @@ auto AsVector(const Result& result) {
 /// Returns f of the blocks at x as a vector.
 template <class... Kinds, class F, class T, std::size_t... I>
 auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
-  return AsVector<T>(f(ViewOf<Kinds>(x[I])...));
+  return AsVector<T>(f(MakeView<Kinds>(x[I])...));
 }
 
 }  // namespace internal
@@ -94,7 +94,7 @@ auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
     column += kind.tangent_size;
     ++block;
   };
-  (lift(KindOf<Kinds>()), ...);
+  (lift(MakeBlockKind<Kinds>()), ...);
   propagated.covariance = J * Joint(marginals, blocks...) * J.transpose();
   return propagated;
 }

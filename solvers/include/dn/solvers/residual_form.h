@@ -46,17 +46,18 @@ struct FormMoments {
 
 /// Calls `use` for each of 32 samples M e of the residuals after the fit, e ~ N(0, I) with a fixed
 /// seed, M as in Marginals::Project.
-void ForSampledResiduals(const Marginals& marginals,
-                         const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);
+void ForEachSampledResidual(
+    const Marginals& marginals,
+    const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);
 
-/// Returns the mean and variance of a form from its values for the samples of ForSampledResiduals.
-FormMoments MomentsOfSample(const std::vector<double>& energies);
+/// Returns the mean and variance of a form from its values for the samples of ForEachSampledResidual.
+FormMoments SampleMoments(const std::vector<double>& energies);
 
 /// Returns the mean and variance of each form r^T S^T S r for r = M e, e ~ N(0, I), M as in
 /// Marginals::Project. Networks of at most 400 rows use the exact mean tr(S M S^T) and variance 2
 /// tr((S M S^T)^2). Larger networks use 32 samples with a fixed seed. The cost is one pair of
 /// triangular solves per row or sample.
-std::vector<FormMoments> MomentsOf(const Marginals& marginals,
-                                   const std::vector<ResidualForm>& forms);
+std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
+                                            const std::vector<ResidualForm>& forms);
 
 }  // namespace dn

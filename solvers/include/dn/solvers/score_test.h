@@ -35,7 +35,7 @@ struct ScoreTest {
 
 /// Computes Rao's score test of each effect separately, at the minimum of the cost, without solving
 /// the network again. L are the effect's columns, and r, J, N those of the network (rows weighted
-/// and scaled, see LinearizedNetwork::AsRows):
+/// and scaled, see LinearizedNetwork::ToRowScaling):
 ///
 ///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
 ///
@@ -73,13 +73,14 @@ ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
                     const Eigen::VectorXd& signature2);
 
 /// Returns the score test of some components together while all others are absent.
-ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components);
+ScoreTest TestJointly(const JointScore& score, const std::vector<Eigen::Index>& components);
 
 /// Returns the scores of all components after some have been added to the unknowns; k indexes the
 /// added ones:
 ///
 ///   s_j - A_jk A_kk^+ s_k,   A_ij - A_ik A_kk^+ A_kj,   shift_j - shift_k A_kk^+ A_kj.
-JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components);
+JointScore ConditionOnComponents(const JointScore& score,
+                                 const std::vector<Eigen::Index>& components);
 
 /// Log Bayes factor of an effect: the likelihood of the residuals with the effect over that without
 /// it, averaged over the prior of the effect's size. With s and A of its components in units of
@@ -88,13 +89,13 @@ JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Ind
 ///   log sum_g w_g exp( 1/2 sum_i [ v_g c_i^2 / (1 + v_g d_i) - ln(1 + v_g d_i) ] )
 ///
 /// over the variances v_g and the weights w_g of SizePrior.
-class EvidenceForm {
+class SizeAveragedEvidence {
  public:
   /// Creates the form of an effect without components; LogEvidence is then 0.
-  EvidenceForm() = default;
+  SizeAveragedEvidence() = default;
   /// Creates the form from A, the L^T M L of the components or of linear combinations of them, and
   /// their typical sizes.
-  EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typical);
+  SizeAveragedEvidence(const Eigen::MatrixXd& A, const Eigen::VectorXd& typical);
 
   /// Returns the log Bayes factor for s, the L^T r of the same components.
   double LogEvidence(const Eigen::VectorXd& s) const;

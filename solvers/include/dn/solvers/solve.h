@@ -37,7 +37,7 @@ struct SolveOptions {
   /// values, a larger radius gives steps nearer to Gauss-Newton.
   double initial_trust_region_radius = 1e4;
   /// Starts a network of 100 blocks or more with Gauss-Newton steps; if false, with damped steps.
-  bool begin_undamped = true;
+  bool start_undamped = true;
   /// Repeats a solution from the initial values with shorter steps if it ends on a plateau, where
   /// an unknown has lost its influence on the residuals. The check costs two evaluations.
   bool second_attempt = true;

@@ -14,10 +14,10 @@ namespace dn {
 ///
 /// Throws InvalidInput if the folder has no report.json of a run that ended with results, or if one
 /// of its files cannot be read.
-Document PageOf(const std::filesystem::path& folder);
+Document MakePage(const std::filesystem::path& folder);
 
 /// Returns a page that compares several results: their headlines, and for each two boresights the
 /// difference, its sigma and its significance. Returns the page of the folder if there is only one.
-Document PageOf(const std::vector<std::filesystem::path>& folders);
+Document MakePage(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace dn

@@ -29,7 +29,7 @@ class YamlValue {
   /// Throws InvalidConfig unless this is a map whose keys all belong to `known` and occur once.
   void ExpectMap(const std::vector<std::string>& known) const;
   /// The same as ExpectMap, but the section may be absent.
-  void ExpectMapOrNothing(const std::vector<std::string>& known) const;
+  void ExpectMapOrAbsent(const std::vector<std::string>& known) const;
   bool IsMap() const;
   bool IsScalar() const;
 

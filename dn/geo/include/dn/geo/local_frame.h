@@ -72,7 +72,7 @@ class LocalFrame {
 
   /// Returns the gravitation (without the centrifugal term) of the WGS84 normal field at p_m, in m
   /// axes, m/s^2, for the equations in inertial form.
-  Eigen::Vector3d Attraction(const Eigen::Vector3d& p_m) const;
+  Eigen::Vector3d Gravitation(const Eigen::Vector3d& p_m) const;
 
   /// Returns the normal gravity (gravitation plus centrifugal acceleration) at p_m, in m axes,
   /// m/s^2.

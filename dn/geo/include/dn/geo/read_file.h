@@ -9,14 +9,13 @@
 namespace dn {
 
 /// Size limit of data files. A day of SBET records at 500 Hz has 6e9 bytes.
-inline constexpr std::uintmax_t kMostFileBytes = std::uintmax_t{8} << 30;
+inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{8} << 30;
 /// Size limit of configurations and scenarios.
-inline constexpr std::uintmax_t kMostYamlBytes = std::uintmax_t{1} << 20;
+inline constexpr std::uintmax_t kMaxYamlBytes = std::uintmax_t{1} << 20;
 
 /// Throws InvalidInput, naming what was found instead, unless `file` is a regular file of at most
-/// `most_bytes`.
-void ExpectRegularFile(const std::filesystem::path& file,
-                       std::uintmax_t most_bytes = kMostFileBytes);
+/// `max_bytes`.
+void ExpectRegularFile(const std::filesystem::path& file, std::uintmax_t max_bytes = kMaxFileBytes);
 
 /// Tells whether the path is a symbolic link that leads back to itself, perhaps over other links.
 bool IsCircularLink(const std::filesystem::path& path);
@@ -24,7 +23,7 @@ bool IsCircularLink(const std::filesystem::path& path);
 /// Returns all bytes of a file. Throws InvalidInput as ExpectRegularFile does, and if the file
 /// cannot be read.
 std::string ReadWholeFile(const std::filesystem::path& file,
-                          std::uintmax_t most_bytes = kMostFileBytes);
+                          std::uintmax_t max_bytes = kMaxFileBytes);
 
 /// Reads a text file line by line, with only one line in memory.
 class LineReader {

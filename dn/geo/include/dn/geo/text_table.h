@@ -27,13 +27,13 @@ struct TextTable {
 
 /// Reads a numeric table. Values are separated by commas, blanks or tabs; '#' (and `comment`)
 /// starts a comment; blank lines are skipped; CRLF is accepted. Every row must have the same number
-/// of columns, which must be one of `allowed_columns` (empty: any). Rows after the first most_rows
+/// of columns, which must be one of `allowed_columns` (empty: any). Rows after the first max_rows
 /// are not read. Throws InvalidInput naming file:line:column for a file that is missing, empty or
 /// not regular. Also throws for a value that is not a finite number, for semicolons and decimal
 /// commas, and for a wrong number of columns (naming the allowed numbers).
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment = '#',
-                        std::size_t most_rows = SIZE_MAX);
+                        std::size_t max_rows = SIZE_MAX);
 
 /// Reads the same tables as ReadTextTable in parts, with only one part in memory.
 class TextTableReader {
@@ -41,9 +41,9 @@ class TextTableReader {
   TextTableReader(const std::filesystem::path& file, std::vector<std::size_t> allowed_columns,
                   char comment = '#');
 
-  /// Replaces the table by the next rows, at most `most_rows`; returns false after the last row.
+  /// Replaces the table by the next rows, at most `max_rows`; returns false after the last row.
   /// Throws as ReadTextTable does.
-  bool Next(std::size_t most_rows);
+  bool Next(std::size_t max_rows);
 
   const TextTable& table() const& { return table_; }
   TextTable table() && { return std::move(table_); }

@@ -58,13 +58,13 @@ class Trajectory {
   bool Covers(double t_s) const { return !empty() && t_s >= t_begin_s() && t_s <= t_end_s(); }
 
   /// Returns the first point at or after t_s, or the last point.
-  const NavPoint& PointFrom(double t_s) const;
+  const NavPoint& FirstPointAtOrAfter(double t_s) const;
 
   /// Returns all points in the mapping frame.
-  std::vector<MapPose> InMap(const LocalFrame& frame) const;
+  std::vector<MapPose> ToMapPoses(const LocalFrame& frame) const;
   /// Returns the pose that InterpolatePose gives at t_s, without converting all points; efficient
   /// for a few times.
-  MapPose InMapAt(double t_s, const LocalFrame& frame) const;
+  MapPose MapPoseAt(double t_s, const LocalFrame& frame) const;
 
  private:
   std::vector<NavPoint> points_;
@@ -98,7 +98,7 @@ Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryCol
 
 /// Reads times, positions and attitudes of an SBET file, for a picture, at epochs at least
 /// min_spacing_s apart. Throws as ReadTrajectory does.
-std::vector<NavPoint> ReadSbetPath(const std::filesystem::path& file, double min_spacing_s);
+std::vector<NavPoint> ReadSbetThinned(const std::filesystem::path& file, double min_spacing_s);
 
 /// Returns the points as SBET: wander angle 0, velocities north, east, down, specific force and
 /// rate in body (FRD). SBET has no header, so a trajectory that was adjusted together with lidar

@@ -152,7 +152,7 @@ struct Document {
 
 /// Returns a curve with at most `most` points for display. It keeps the smallest and the largest
 /// ordinate of each interval, and the limits of the widest band.
-Curve Thinned(const Curve& curve, std::size_t most);
+Curve ThinCurve(const Curve& curve, std::size_t most);
 
 /// Returns one HTML file with its style, charts and data; it needs no network. All texts are
 /// escaped.

@@ -54,7 +54,7 @@ class JsonPlace {
   std::int64_t Integer(std::int64_t least, std::int64_t most) const;
   std::uint64_t Unsigned() const;
   bool Flag() const;
-  std::string Text(std::size_t most_bytes = 10'000) const;
+  std::string Text(std::size_t max_bytes = 10'000) const;
   std::vector<std::string> Texts() const;
   /// A list of three numbers, NaN for each null.
   Eigen::Vector3d Vector3() const;

@@ -14,7 +14,7 @@ struct AchievedAccuracy {
 };
 
 /// Returns the accuracy from the standard deviations at the nodes; `sigma` must not be empty.
-AchievedAccuracy AccuracyOf(const std::vector<TrajectorySigma>& sigma);
+AchievedAccuracy SummariseAccuracy(const std::vector<TrajectorySigma>& sigma);
 
 /// Returns {"median_enu_m", "largest_enu_m", "median_rph_deg", "largest_rph_deg"}.
 Json AccuracyJson(const AchievedAccuracy& accuracy);

@@ -26,7 +26,7 @@ struct CandidateEffect {
 CandidateEffect DescribeEffect(const EstimableEffect& effect);
 
 /// A user-defined effect that is tested in addition to those of the estimator.
-struct OwnEffect {
+struct UserEffect {
   std::string name;
   EffectAction action;
   Eigen::VectorXd typical;  ///< typical size of each component, SI
@@ -39,6 +39,6 @@ struct OwnEffect {
 /// The derivatives are those of the factors that estimate the effect, at the present values. The
 /// effects in `own` come last, in their order; the model of one that acts on no factor is empty.
 std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads = 1,
-                                              const std::vector<OwnEffect>& own = {});
+                                              const std::vector<UserEffect>& own = {});
 
 }  // namespace dn

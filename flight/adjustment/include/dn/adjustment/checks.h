@@ -9,12 +9,12 @@ namespace dn {
 /// Residuals of one kind compared with their redundancy. The p-values of all checks are
 /// family-wise: they are multiplied by the number of tests of the model check.
 struct GroupCheck {
-  std::string name;                   ///< "lidar p2p", "inertial gyro", "gnss position east" ...
-  long observations = 0;              ///< number of residuals
-  double redundancy = 0.0;            ///< sum of their redundancy numbers
-  double variance_ratio = 1.0;        ///< sum of squares / redundancy
-  double ratio_beside_effects = 1.0;  ///< the same if the found effects were estimated
-  double p_value = 1.0;               ///< of a ratio this far from 1, two-sided
+  std::string name;                 ///< "lidar p2p", "inertial gyro", "gnss position east" ...
+  long observations = 0;            ///< number of residuals
+  double redundancy = 0.0;          ///< sum of their redundancy numbers
+  double variance_ratio = 1.0;      ///< sum of squares / redundancy
+  double ratio_with_effects = 1.0;  ///< the same if the found effects were estimated
+  double p_value = 1.0;             ///< of a ratio this far from 1, two-sided
   double worst_t_s = 0.0;
   double worst_standardised = 0.0;  ///< residual / root of its redundancy number
 };
@@ -28,7 +28,8 @@ struct CommonErrorCheck {
   double ratio = 1.0;    ///< that sum over its expectation
   double p_value = 1.0;  ///< of a ratio this large, one-sided
   double sigma = 0.0;    ///< size of the common error, in sigmas of one residual; 0 if none
-  double damage = 0.0;   ///< largest shift of a watched unknown by such errors, in its sigmas
+  double max_shift_sigmas =
+      0.0;  ///< largest shift of a watched unknown by such errors, in its sigmas
   /// Nats, for a common error of the likeliest size against no common error.
   double log_evidence = 0.0;
   bool explained = false;  ///< no longer significant if the found effects are estimated
@@ -46,46 +47,47 @@ struct EffectCheck {
   Eigen::VectorXd estimate;  ///< in `unit`, jointly with the other found effects
   Eigen::VectorXd sigma;
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< shift of the boresight
-  double damage = 0.0;  ///< largest shift of a watched unknown, in its sigmas
+  double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
   std::vector<std::string> inseparable_from;
 };
 
 /// An unmodelled discrepancy: a deviation of the data from the model that no effect of the table
 /// describes. It is a score test that is made after the found effects are estimated. Its noise
 /// level is the one that the pairs show, if that is above the stated one.
-struct DepartureCheck {
+struct DiscrepancyCheck {
   std::string name;  ///< "laser vectors by scan angle" ...
   double statistic = 0.0;
   int dof = 0;
   double p_value = 1.0;
   /// Shift of the boresight by the estimated discrepancy.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
-  double damage = 0.0;  ///< largest shift of a watched unknown, in its sigmas
+  double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
 };
 
 /// An undetectable effect: its typical size is below its minimal detectable bias (MDB), but shifts
 /// a watched unknown by more than the unknown's sigma. Only the component with the largest shift is
 /// given; each component is taken by itself.
-struct UnseenEffect {
+struct UndetectableEffect {
   std::string name;
   std::string component;  ///< "x", "east"; empty if the effect has one component
   std::string unit;       ///< unit of both sizes
   double usual = 0.0;     ///< typical size: one prior sigma
-  /// MDB (Baarda, see RowTest), first order; infinite if no size is detectable.
+  /// MDB (Baarda, see OutlierTest), first order; infinite if no size is detectable.
   double minimal_detectable = 0.0;
   /// Shift of the boresight at the size `usual`.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
-  double damage = 0.0;  ///< largest shift of a watched unknown at that size, in its sigmas
+  double max_shift_sigmas =
+      0.0;  ///< largest shift of a watched unknown at that size, in its sigmas
 };
 
 /// A competing effect: it explains the data as well as an estimated unknown. If several do, it is
 /// the one that shifts the watched unknowns farthest when it replaces the unknown.
-struct RivalCheck {
+struct CompetingEffectCheck {
   std::string unknown, rival;
   double log_evidence = 0.0;  ///< nats, of the competing effect against the unknown
   /// Boresight with the competing effect minus boresight with the unknown.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
-  double damage = 0.0;  ///< largest shift of a watched unknown, in its sigmas
+  double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
 };
 
 /// Test of the stated prior of an unknown against the prediction from all other data.

@@ -32,13 +32,13 @@ struct EffectPresent {
 };
 
 /// The data contain an unmodelled discrepancy, which no effect explains.
-struct DepartureUnnamed {
-  DepartureCheck departure;
+struct UnmodelledDiscrepancy {
+  DiscrepancyCheck departure;
 };
 
 /// Another effect explains the data as well as an estimated unknown.
 struct UnknownAmbiguous {
-  RivalCheck check;
+  CompetingEffectCheck check;
   bool moves_boresight = false;  ///< otherwise the trajectory
 };
 
@@ -97,7 +97,8 @@ struct GnssLeverArmOff {
 /// The GNSS time tags disagree with those of the inertial data.
 struct GnssTimeOff {
   ClockEstimate clock;
-  double damage = 0.0;  ///< largest shift of a watched unknown by the clock error, in its sigmas
+  double max_shift_sigmas =
+      0.0;  ///< largest shift of a watched unknown by the clock error, in its sigmas
   bool moves_boresight = false;  ///< otherwise the trajectory
 };
 
@@ -108,7 +109,7 @@ struct InnovationSize {
 };
 
 /// The GNSS positions have time-correlated errors that the network does not model.
-struct GnssErrorsLast {
+struct GnssErrorsCorrelated {
   GnssCorrelation test;
 };
 
@@ -135,7 +136,7 @@ struct TrajectoryEstimated {};
 struct AttitudeInPairs {
   enum class Size {
     kNoise,     ///< at the noise level of the pairs
-    kHeld,      ///< above it; the trajectory is of tactical grade or better
+    kCovered,   ///< above it; the trajectory is of tactical grade or better
     kAbsorbed,  ///< above it; the boresight angles absorb the error
   };
   Size size = Size::kNoise;
@@ -158,13 +159,13 @@ struct FewPairs {
 /// The reliable sigmas are much larger than those of the normal matrix.
 struct SigmasWidened {
   Eigen::Vector3d ratio;
-  Eigen::Vector3d scaled_rad;     ///< sigmas of the normal matrix, times sigma0
-  Eigen::Vector3d scattered_rad;  ///< by time-correlated errors of the trajectory
-  Eigen::Vector3d constant_rad;   ///< by errors that are constant over the flight
-  std::string source;             ///< file or section that states the accuracy of the trajectory
-  bool times_stated = false;      ///< true: it also states the correlation time
-  bool times_shown = false;       ///< true: the pairs indicate the correlation time
-  double tau_s = 0.0;             ///< correlation time that the pairs indicate
+  Eigen::Vector3d scaled_rad;      ///< sigmas of the normal matrix, times sigma0
+  Eigen::Vector3d correlated_rad;  ///< by time-correlated errors of the trajectory
+  Eigen::Vector3d constant_rad;    ///< by errors that are constant over the flight
+  std::string source;              ///< file or section that states the accuracy of the trajectory
+  bool tau_stated = false;         ///< true: it also states the correlation time
+  bool tau_shown = false;          ///< true: the pairs indicate the correlation time
+  double tau_s = 0.0;              ///< correlation time that the pairs indicate
 };
 
 /// An unknown under `estimate` that a method on a fixed trajectory does not model.
@@ -182,14 +183,16 @@ struct NetworkDiffers {
 
 }  // namespace facts
 
-using Fact = std::variant<
-    facts::EffectPresent, facts::DepartureUnnamed, facts::UnknownAmbiguous, facts::VarianceTooLarge,
-    facts::ErrorsShared, facts::PriorContradicted, facts::VectorsAssumed, facts::GapUnexplained,
-    facts::MountingImpossible, facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut,
-    facts::GnssLeftOut, facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
-    facts::GnssErrorsLast, facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
-    facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs,
-    facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
+using Fact =
+    std::variant<facts::EffectPresent, facts::UnmodelledDiscrepancy, facts::UnknownAmbiguous,
+                 facts::VarianceTooLarge, facts::ErrorsShared, facts::PriorContradicted,
+                 facts::VectorsAssumed, facts::GapUnexplained, facts::MountingImpossible,
+                 facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
+                 facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
+                 facts::GnssErrorsCorrelated, facts::SigmaTooLarge, facts::SigmaAbovePairs,
+                 facts::AnglesInseparable, facts::TrajectoryEstimated, facts::AttitudeInPairs,
+                 facts::StripsAlike, facts::FewPairs, facts::SigmasWidened, facts::NotEstimated,
+                 facts::NetworkDiffers>;
 
 /// A fact for or against the assumed model, or a reason of the verdict.
 struct Finding {

@@ -23,7 +23,7 @@ struct TrajectoryAccuracy {
   /// constant in body.
   Eigen::Matrix3d attitude_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::string source;  ///< name of the file, or "the section trajectory of flight.yaml"
-  StatedBy stated_by = StatedBy::kDataSheet;
+  SigmaSource sigma_source = SigmaSource::kDataSheet;
   /// Covariance of the poses over time, from `trajectory_covariance.txt`. It is absent if that file
   /// does not exist or does not cover the epochs of all pairs.
   std::optional<PoseCovariance> covariance = {};
@@ -54,7 +54,7 @@ struct GaussHelmertCalibration {
   GaussHelmertProblem problem;
   GaussHelmertOptions options;
   GaussHelmertResult adjustment;
-  TrajectoryScatter scatter;
+  CorrelatedErrorCovariance scatter;
   TrajectoryAccuracy accuracy;
   /// Covariance of the attitude error that is constant over the flight, rad^2 in body. It is the
   /// share of the trajectory's attitude covariance that does not vary according to the pairs.

@@ -20,7 +20,7 @@ Json GnssErrorsJson(const Adjustment& adjustment, const Marginals& marginals);
 /// east, north, up [m], and its standard deviations. `marginals` must have its selected inverse.
 std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marginals);
 
-/// Returns facts::GnssErrorsLast if the test finds time-correlated errors, otherwise nullopt.
-std::optional<Finding> WarningOfGnssErrors(const Adjustment& adjustment);
+/// Returns facts::GnssErrorsCorrelated if the test finds time-correlated errors, otherwise nullopt.
+std::optional<Finding> GnssErrorWarning(const Adjustment& adjustment);
 
 }  // namespace dn

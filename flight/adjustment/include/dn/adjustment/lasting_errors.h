@@ -35,16 +35,18 @@ struct ErrorScale {
 /// The pairs of a flight with the boresight and the time-correlated errors of the trajectory as
 /// unknowns. Each strip has a constant error, and an error that is linear between nodes in time.
 /// Each of the two has half the stated variance. The errors of different strips are independent.
-class LastingErrors {
+class TimeCorrelatedErrorModel {
  public:
   /// Each candidate's model has one part per row, in the order of `rows`. `strips` must not be
   /// empty. `error_sqrt` is a square root of the stated covariance of an error, position first.
-  LastingErrors(const std::vector<PairRows>& rows, const std::vector<StripInterval>& strips,
-                const Eigen::Matrix<double, 6, 6>& error_sqrt, const BoresightPrior& prior,
-                const std::vector<CandidateEffect>& candidates);
+  TimeCorrelatedErrorModel(const std::vector<PairRows>& rows,
+                           const std::vector<StripInterval>& strips,
+                           const Eigen::Matrix<double, 6, 6>& error_sqrt,
+                           const BoresightPrior& prior,
+                           const std::vector<CandidateEffect>& candidates);
 
   /// Likelihood and scores for one scale of the errors.
-  struct AtScale {
+  struct ScaleSolution {
     double log_likelihood = 0.0;  ///< without effects, up to a constant
     double chi2 = 0.0;            ///< weighted sum of squares at the solution, without effects
     /// Score of the candidates. Its shift is that of the Gauss-Helmert adjustment, which takes the
@@ -52,7 +54,7 @@ class LastingErrors {
     JointScore score;
   };
   /// Solves for errors of one scale. Dense: O(n^3) in the number n of unknowns.
-  AtScale At(const ErrorScale& scale) const;
+  ScaleSolution At(const ErrorScale& scale) const;
 
   /// Returns the covariance, rad^2, of the boresight of the Gauss-Helmert adjustment under errors
   /// of one scale.
@@ -60,11 +62,11 @@ class LastingErrors {
 
   /// Returns the sum of squares with effects of this size (all components, SI) over that without
   /// effects; both without time-correlated errors.
-  double ShareLeft(const Eigen::VectorXd& effects) const;
+  double ResidualShare(const Eigen::VectorXd& effects) const;
 
  private:
-  Eigen::VectorXd ScaleOfUnknowns(const ErrorScale& scale) const;
-  Eigen::Matrix3d NormalOfBoresight() const;
+  Eigen::VectorXd UnknownScales(const ErrorScale& scale) const;
+  Eigen::Matrix3d BoresightNormal() const;
 
   BoresightPrior prior_;
   double rows_ = 0.0;

@@ -26,13 +26,13 @@ struct PairEnds {
 
 /// Returns a lidar effect, of the estimator or user-defined, as a candidate with its model for
 /// these pairs.
-CandidateEffect OnPairs(const EstimableEffect& effect, const Flight& flight,
-                        const std::vector<PairEnds>& pairs);
-CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs);
+CandidateEffect MakePairCandidate(const EstimableEffect& effect, const Flight& flight,
+                                  const std::vector<PairEnds>& pairs);
+CandidateEffect MakePairCandidate(const UserEffect& own, const std::vector<PairEnds>& pairs);
 
 /// Returns the effects of a scanner whose mount does not move. Their remedies name the dynamic
 /// network, because an adjustment of these pairs alone does not estimate them.
-std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
-                                              const std::vector<PairEnds>& pairs);
+std::vector<CandidateEffect> MakeScannerEffects(const Flight& flight,
+                                                const std::vector<PairEnds>& pairs);
 
 }  // namespace dn

@@ -23,7 +23,7 @@ struct LinearPairs {
   BoresightPrior prior;
   /// Share of the pairs' own noise in the variance of a row, on average over the pairs. The rest is
   /// the stated error of the trajectory, taken as independent for every pair.
-  double share_of_pairs = 1.0;
+  double pair_noise_share = 1.0;
 };
 
 /// Returns the covariance, m^2, of a pair's misclosure in map. It has the pair's own noise, and

@@ -17,18 +17,18 @@ struct ModelCheck {
   std::vector<CommonErrorCheck> common_errors;
   std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
   /// Unmodelled discrepancies, tested jointly with `effects`.
-  std::vector<DepartureCheck> departures;
-  std::vector<UnseenEffect> unseen;  ///< undetectable effects, largest shift first
-  std::vector<RivalCheck> rivals;    ///< competing effects of estimated unknowns
+  std::vector<DiscrepancyCheck> departures;
+  std::vector<UndetectableEffect> unseen;  ///< undetectable effects, largest shift first
+  std::vector<CompetingEffectCheck> competing_effects;  ///< competing effects of estimated unknowns
   std::vector<PriorCheck> priors;
   /// Clock errors. They are from the GNSS screening if it found the clock off, else from the
   /// adjustment if it estimates them. Otherwise offset and drift are estimated jointly from the
   /// scores of their effects.
   Clocks clocks;
-  double gnss_clock_damage = 0.0;  ///< of Adjustment::gnss_clock, defined as EffectCheck::damage
-  double sigma0_beside_effects = 1.0;  ///< sigma0 if `effects` were estimated, first order
-  double p_value = 1.0;                ///< smallest p-value of all tests, family-wise
-  std::vector<Finding> findings;       ///< the contradicting ones first
+  double gnss_clock_shift = 0.0;     ///< of Adjustment::gnss_clock, defined as EffectCheck::damage
+  double sigma0_with_effects = 1.0;  ///< sigma0 if `effects` were estimated, first order
+  double p_value = 1.0;              ///< smallest p-value of all tests, family-wise
+  std::vector<Finding> findings;     ///< the contradicting ones first
 
   double SmallestPValue() const;  ///< of all tests; 1 if there are none
   bool contradicted() const;

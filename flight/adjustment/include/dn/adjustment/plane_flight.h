@@ -14,7 +14,7 @@ namespace dn {
 struct PlaneCalibration {
   PlaneProblem problem;
   PlaneAdjustment adjustment;
-  PlaneScatter scatter;
+  PlaneErrorCovariance scatter;
   TrajectoryAccuracy accuracy;
   /// Covariance of the attitude error that is constant over the flight, rad^2 in body.
   Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
@@ -33,7 +33,7 @@ struct PlaneCalibration {
 /// Returns the adjustment problem for planes that strips of a flight share, with the lever arm, the
 /// initial boresight and the priors of flight.yaml. The range offset is estimated if `estimate`
 /// names lidar_range_offset. Throws InvalidConfig if `estimate` does not name the boresight.
-PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> planes);
+PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<ObservedPlane> planes);
 
 /// Throws RankDeficient, with the numbers, if fewer than ten planes are kept or if their normals
 /// are too parallel. `found` is the number of planes given to the adjustment. Normals are too
@@ -58,7 +58,7 @@ void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found);
 ///
 /// Throws InvalidConfig if `estimate` does not name the boresight; InvalidInput; RankDeficient as
 /// ExpectEnoughPlanes does, or if a direction is not determined; NotConverged; Interrupted.
-PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> planes,
+PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane> planes,
                                  const GaussHelmertFlightOptions& options = {});
 
 }  // namespace dn

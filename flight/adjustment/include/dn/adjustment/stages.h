@@ -53,10 +53,10 @@ class AdjustmentRun {
   void SetGnssLoss(const Loss& loss);
   void SetPairLoss(const Loss& loss);
 
-  /// Swaps in another network; TakeBack swaps the original in again and returns the other one.
-  void StandIn(std::unique_ptr<FlightNetwork> network);
-  std::unique_ptr<FlightNetwork> TakeBack();
-  bool has_stand_in() const { return set_aside_ != nullptr; }
+  /// Swaps in another network; SwapNetworkBack swaps the original in again and returns the other one.
+  void SwapNetworkIn(std::unique_ptr<FlightNetwork> network);
+  std::unique_ptr<FlightNetwork> SwapNetworkBack();
+  bool has_swapped_network() const { return set_aside_ != nullptr; }
 
   /// Returns the mean norm of the differences of the active pairs, m; 0 if there are none.
   double MeanPairDifference();
@@ -84,7 +84,7 @@ class AdjustmentRun {
 ///   boresight start        | StartBoresight    | boresight alone, with the trajectory constant
 ///   lidar, robust          | SolvePairsRobustly| everything, with a robust loss on the pairs too
 ///   pair rejection         | RejectPairs       | rejects pairs whose residuals cannot be noise
-///   inertial rate          | GoToInertialRate  | with `inertial: raw`: nodes at all IMU epochs
+///   inertial rate          | UseInertialRate  | with `inertial: raw`: nodes at all IMU epochs
 ///   before final           | AddOwnBeforeFinal | calls AdjustOptions::customise
 ///   final least squares    | SolveFinally      | integrates increments again, no robust loss
 ///
@@ -93,8 +93,8 @@ std::vector<AdjustmentStage> DefaultStages(bool with_pairs = true);
 
 /// Returns the position of a stage in a list, for insert and erase. Throws InvalidConfig with the
 /// names of the stages in the list.
-std::vector<AdjustmentStage>::iterator StageNamed(const std::string& name,
-                                                  std::vector<AdjustmentStage>* stages);
+std::vector<AdjustmentStage>::iterator FindStage(const std::string& name,
+                                                 std::vector<AdjustmentStage>* stages);
 
 /// Makes the network with the initial trajectory from the alignment. Throws InvalidInput.
 void MakeNetwork(AdjustmentRun& run);
@@ -133,7 +133,7 @@ void RejectPairs(AdjustmentRun& run);
 /// With `inertial: raw`, makes the network again with nodes at every inertial epoch, from the
 /// present trajectory and with the measurements that are active. Does nothing if the network
 /// already has these nodes.
-void GoToInertialRate(AdjustmentRun& run);
+void UseInertialRate(AdjustmentRun& run);
 
 /// Call the user's functions if they are set.
 void AddOwnBeforeLidar(AdjustmentRun& run);

@@ -20,12 +20,12 @@ namespace dn {
 
 /// Returns the gravitation per unit of each value of an effect at a point of the map, map axes,
 /// m/s^2 per unit.
-using AttractionField = std::function<AttractionBasis(const Eigen::Vector3d& p_m)>;
+using GravitationField = std::function<GravitationBasis(const Eigen::Vector3d& p_m)>;
 
 /// The way in which the values of an effect (SI) change the readings of a sensor.
 using EffectAction =
     std::variant<std::shared_ptr<const ImuEffect>, std::shared_ptr<const LidarEffect>,
-                 std::shared_ptr<const GnssEffect>, AttractionField>;
+                 std::shared_ptr<const GnssEffect>, GravitationField>;
 
 /// The flight in which an effect acts, and the times at which it acts.
 struct EffectSite {

@@ -39,7 +39,7 @@ struct CalibrationState {
                       const Eigen::Vector3d& accel_bias_mps2) const;
 
   /// Returns the gravitation that the effects add to normal gravity at p_m, m/s^2, map axes.
-  Eigen::Vector3d AttractionAt(const Eigen::Vector3d& p_m) const;
+  Eigen::Vector3d GravitationAt(const Eigen::Vector3d& p_m) const;
 };
 
 /// Calls visit(action, value, index) for every effect whose action has the type `Action`, in the
@@ -54,10 +54,10 @@ void ForEachEffect(const CalibrationState& state, const Visit& visit) {
 
 /// Return indices into CalibrationState::effects of the effects that act on one kind of factor. The
 /// order is that of the blocks of the factor; these blocks come after its other blocks.
-std::vector<std::size_t> EffectsOfInertial(
+std::vector<std::size_t> InertialEffectIndices(
     const CalibrationState& state);  ///< effects on the IMU, then on gravitation
-std::vector<std::size_t> EffectsOfGnss(const CalibrationState& state);
-std::vector<std::size_t> EffectsOfPairs(
+std::vector<std::size_t> GnssEffectIndices(const CalibrationState& state);
+std::vector<std::size_t> PairEffectIndices(
     const CalibrationState& state);  ///< effects on the lidar, the IMU, then on gravitation
 
 /// Returns the calibration of the configuration, with the effects of `estimate` at zero. Throws

@@ -21,7 +21,7 @@ namespace dn {
 Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConfig& config);
 
 /// Returns gnss.processes as processes of a chain with sigma 1: the blocks are in units of the
-/// configured sigmas (see GnssError).
+/// configured sigmas (see CorrelatedGnssError).
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config);
 
 /// Returns the largest sigma of a GNSS position along an axis, m. It includes the white noise of
@@ -45,7 +45,7 @@ struct GnssEdgeInput {
 
 /// Returns the position factor of an epoch. Without time-correlated errors and GNSS effects it is a
 /// GnssPosition on (q_mb, p_mb, a_b). Otherwise it is a GnssAntenna on (q_mb, p_mb, a_b, v_m), the
-/// values of gnss.processes (GnssError), and the effects in the order of EffectsOfGnss. Throws
+/// values of gnss.processes (CorrelatedGnssError), and the effects in the order of GnssEffectIndices. Throws
 /// InvalidInput with the time of the epoch if its covariance is not finite and positive definite.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
                                                          const MapGnssEpoch& epoch,
@@ -63,15 +63,15 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
 
 /// Returns the Jacobian of the gravitation at p_m for every effect on gravitation, in the order of
 /// the blocks of the factors.
-std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
-                                             const Eigen::Vector3d& p_m);
+std::vector<GravitationBasis> GravitationJacobians(const CalibrationState& calibration,
+                                                   const Eigen::Vector3d& p_m);
 
 /// Input that attaches one end of a pair to its node.
 struct PairEndInput {
   MapPose node;
   ImuCorrection biases;
   /// Inertial factor that starts at the node, under the same calibration. The noise of the end is
-  /// then conditioned on the rotation to the next node (NodeBridge). Null: no conditioning.
+  /// then conditioned on the rotation to the next node (IncrementConditioning). Null: no conditioning.
   std::shared_ptr<const PreintegratedInertial> inertial = {};
   /// Preintegrated increments from the node to the epoch of the end. Null: they are integrated
   /// here.
@@ -109,7 +109,7 @@ class PairCalibration {
     return Corrected(not_zero_, values_.data(), tag_s, u_s);
   }
   /// Returns the emission time of the beam of a reading, s.
-  double EpochOf(const LidarReading& reading) const {
+  double EmissionTime(const LidarReading& reading) const {
     return reading.tag_s - (state_.lidar_time_offset_s + reading.delay_s);
   }
 
@@ -133,7 +133,7 @@ class EndIncrements {
   const ImuData& imu_;
   double node_t_s_;
   ImuCorrection correction_;
-  GrowingIncrements growing_;
+  IncrementalPreintegrator growing_;
 };
 
 /// Returns the parts of the factor of a pair. Throws InvalidInput if an epoch is earlier than its
@@ -141,9 +141,9 @@ class EndIncrements {
 PairParts MakePairParts(const Flight& flight, const PairCalibration& calibration,
                         const PreintegrationNoise& noise, const PairEdgeInput& input);
 
-/// Returns the factor of a pair. Without NodeBridge and without effects on pairs it is a
+/// Returns the factor of a pair. Without IncrementConditioning and without effects on pairs it is a
 /// PointToPoint. Otherwise it is a PointToPointBetweenNodes with the effects in the order of
-/// EffectsOfPairs. Throws InvalidInput like MakePairParts.
+/// PairEffectIndices. Throws InvalidInput like MakePairParts.
 std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
                                                  const PairCalibration& calibration,
                                                  const PreintegrationNoise& noise,

@@ -68,7 +68,7 @@ struct FlightNetworkOptions {
   double bias_interval_max_s = 5.0;
   double position_floor_m = 1e-6;  ///< added to each inertial increment, see PreintegrationNoise
   /// Called once, before the first pairs are added. It adds unknowns to the network and returns the
-  /// way to make the factor of a pair. Pairs are then built without NodeBridge and without the
+  /// way to make the factor of a pair. Pairs are then built without IncrementConditioning and without the
   /// effects of `estimate`.
   std::function<PairModel(FlightNetwork&)> pair_model = {};
   /// for the preintegration of inertial edges and pairs; results do not depend on it
@@ -101,7 +101,7 @@ class FlightNetwork {
   /// Integrates all increments again at the present biases and calibration, and moves the expansion
   /// point of gravity to the present positions. Factors replaced by the caller
   /// (Network::ReplaceFactor) stay unchanged.
-  void Relinearise();
+  void Repreintegrate();
 
   /// Returns the largest change of a bias or effect since the last preintegration. The units are 30
   /// deg/h (gyro), 5 mg (accelerometer) and ten typical sizes (effects). At a hundredth of such a
@@ -155,14 +155,14 @@ class FlightNetwork {
 
   /// Return the factor of an edge for another calibration at the present trajectory and biases. Its
   /// blocks are those of the edge, then the effects of the calibration in the order of
-  /// EffectsOfInertial or EffectsOfGnss.
+  /// InertialEffectIndices or GnssEffectIndices.
   struct InertialEdge;
   struct GnssEdge;
   struct PairEdge;
   std::shared_ptr<const PreintegratedInertial> InertialFactor(
       const InertialEdge& edge, const CalibrationState& calibration) const;
   /// Returns the same factor with the increments that are in use. Only the derivatives with respect
-  /// to the effects are integrated, over the averaged samples `imu` (MeansOver).
+  /// to the effects are integrated, over the averaged samples `imu` (AverageSamples).
   std::shared_ptr<const PreintegratedInertial> InertialFactorByMeans(
       const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const;
   std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
@@ -171,22 +171,22 @@ class FlightNetwork {
                                                        const CalibrationState& calibration) const;
 
   /// One end of pair edge k.
-  struct EndOfPair {
+  struct PairEndIndex {
     std::size_t k = 0;
     PointPairFactor::End end = PointPairFactor::End::kI;
   };
   /// Returns the sensitivity of the pair residual to a shift of the point of one end, at the
   /// present unknowns. If the factor of the pair does not provide it, the factor of the library is
   /// used instead.
-  PointSensitivity SensitivityOfEnd(const EndOfPair& end) const;
+  PointSensitivity EndSensitivity(const PairEndIndex& end) const;
 
   /// Calls use(end, increments) for all pair ends. The increments go from the node to the epoch of
   /// the end under the given calibration, without noise, over the averaged samples `imu`
-  /// (MeansOver). Ends of different nodes are visited in parallel, so that `use` must be
+  /// (AverageSamples). Ends of different nodes are visited in parallel, so that `use` must be
   /// thread-safe.
-  using UseOfEnd = std::function<void(const EndOfPair&, const Preintegrated&)>;
+  using UsePairEnd = std::function<void(const PairEndIndex&, const Preintegrated&)>;
   void ForPairEnds(const CalibrationState& calibration, const ImuData& imu, int threads,
-                   const UseOfEnd& use) const;
+                   const UsePairEnd& use) const;
 
   /// Returns the difference p_i - p_j of the two points of pair edge k at the present unknowns, m,
   /// map axes. Throws InvalidInput if the factor was replaced by one that is not a PointPairFactor.
@@ -203,7 +203,7 @@ class FlightNetwork {
   std::vector<ProcessChain> gyro_bias;
   std::vector<ProcessChain> accel_bias;
   /// One chain per entry of gnss.processes: east, north, up in units of the sigmas of the process
-  /// (see GnssError).
+  /// (see CorrelatedGnssError).
   std::vector<ProcessChain> gnss_error;
   Block<LeftRotation> boresight;
   Block<Vec<3>> gnss_lever_arm;
@@ -225,7 +225,7 @@ class FlightNetwork {
     LidarPair pair;
     std::size_t node_i = 0;
     std::size_t node_j = 0;
-    /// Indices of the inertial edges that condition the noise of the ends (NodeBridge). Absent: the
+    /// Indices of the inertial edges that condition the noise of the ends (IncrementConditioning). Absent: the
     /// white noise of the partial increments is negligible relative to the noise of the pair.
     std::optional<std::size_t> bridge_i = {};
     std::optional<std::size_t> bridge_j = {};
@@ -244,12 +244,12 @@ class FlightNetwork {
   /// Returns the biases at node k, without effects.
   ImuCorrection BiasesAt(std::size_t k) const;
   /// Returns pointers to the values of the blocks of pair edge k.
-  std::vector<const double*> ValuesOfPair(std::size_t k) const;
+  std::vector<const double*> PairValues(std::size_t k) const;
   void AddMounting(const CalibrationState& calibration);
   void AddNodes(const InitialStates& initial);
   void AddBiases(const InitialStates& initial);
   void AddGnssErrors();
-  double HoldingLength(const BiasProcess& process) const;
+  double ConstantIntervalLength(const BiasProcess& process) const;
   void AddInertialEdges();
   void AddGnssEdges();
   bool Estimated(const std::string& unknown) const;
@@ -257,7 +257,7 @@ class FlightNetwork {
   void AddPriors();
   void AppendEffects(const std::vector<std::size_t>& indices, std::vector<BlockId>* blocks) const;
   bool MovesLidarEpochs() const;
-  PairEdge HangOnNodes(const LidarPair& pair, double margin_s) const;
+  PairEdge AttachToNodes(const LidarPair& pair, double margin_s) const;
   void Bridge(PairEdge* edge) const;
   std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
   /// Returns the factors of all inertial edges for this calibration.
@@ -273,22 +273,22 @@ class FlightNetwork {
   };
   /// Integrates the increments of these pair edges at the present biases. Samples that several ends
   /// of a node share are integrated once.
-  std::vector<PairIncrements> IncrementsOf(std::span<const PairEdge> edges,
-                                           const PairCalibration& calibration) const;
-  PairEdgeInput InputOf(const PairEdge& edge, const PairIncrements& increments) const;
+  std::vector<PairIncrements> IntegratePairIncrements(std::span<const PairEdge> edges,
+                                                      const PairCalibration& calibration) const;
+  PairEdgeInput MakeEdgeInput(const PairEdge& edge, const PairIncrements& increments) const;
   /// Returns the factor of a pair as it is without a PairModel.
   std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
                                                const PairCalibration& calibration,
                                                const PairIncrements& increments) const;
-  std::shared_ptr<const FactorBase> PairFactorOfModel(const PairEdge& edge,
-                                                      const PairCalibration& calibration,
-                                                      const PairIncrements& increments) const;
+  std::shared_ptr<const FactorBase> ModelPairFactor(const PairEdge& edge,
+                                                    const PairCalibration& calibration,
+                                                    const PairIncrements& increments) const;
   /// Calls work(edge, make) for all pair edges in their order. make() returns the factor of the
   /// edge and may be called once. A PairModel is called from one thread only.
   template <class Work>
   void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                 const Work& work) const;
-  void AskForPairModel();
+  void RequestPairModel();
   FactorId AddEdge(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks,
                    const FactorGroup& group, double t_s);
   template <class Make>

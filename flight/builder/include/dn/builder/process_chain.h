@@ -12,7 +12,7 @@ namespace dn {
 
 /// A time interval over which a process is constant: one block with the value of the process at
 /// t_mid_s.
-struct HeldInterval {
+struct ConstantInterval {
   double t_begin_s = 0.0;
   double t_mid_s = 0.0;
 };
@@ -30,16 +30,17 @@ struct ProcessChain {
 };
 
 /// Returns the sum of the values of all chains at t_s.
-Eigen::Vector3d SumOfProcesses(const Network& net, const std::vector<ProcessChain>& chains,
-                               double t_s);
+Eigen::Vector3d SumProcesses(const Network& net, const std::vector<ProcessChain>& chains,
+                             double t_s);
 
 /// Returns intervals that begin and end at nodes, at most length_s long unless two neighbouring
 /// nodes are further apart.
-std::vector<HeldInterval> HoldOverNodes(const std::vector<double>& node_t_s, double length_s);
+std::vector<ConstantInterval> IntervalsOverNodes(const std::vector<double>& node_t_s,
+                                                 double length_s);
 
 /// Returns intervals for measurements at single epochs. An interval contains its first epoch and
 /// the later ones less than length_s after it. Its middle is the mean of its first and last epoch.
-std::vector<HeldInterval> HoldOverEpochs(const std::vector<double>& t_s, double length_s);
+std::vector<ConstantInterval> IntervalsOverEpochs(const std::vector<double>& t_s, double length_s);
 
 /// Names of the blocks and factor groups of a chain.
 struct ChainNames {
@@ -56,7 +57,8 @@ struct ChainNames {
 /// blocks. The transitions are exact for every time step (GaussMarkovEdge, RandomWalkEdge). The
 /// prior sigma of a random walk is its growth over half an interval. All blocks start at the value
 /// `start`.
-ProcessChain AddProcessChain(const BiasProcess& process, const std::vector<HeldInterval>& intervals,
+ProcessChain AddProcessChain(const BiasProcess& process,
+                             const std::vector<ConstantInterval>& intervals,
                              const ChainNames& names, const Eigen::Vector3d& start, Network* net);
 
 }  // namespace dn

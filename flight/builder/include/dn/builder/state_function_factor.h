@@ -49,16 +49,17 @@ class StateFunctionFactor final
 
  private:
   static std::vector<BlockKind> Kinds(std::size_t num_biases) {
-    std::vector<BlockKind> kinds{KindOf<Rotation>(), KindOf<Vec<3>>(), KindOf<Vec<3>>()};
-    kinds.insert(kinds.end(), num_biases, KindOf<Vec<3>>());
-    (kinds.push_back(KindOf<Own>()), ...);
+    std::vector<BlockKind> kinds{MakeBlockKind<Rotation>(), MakeBlockKind<Vec<3>>(),
+                                 MakeBlockKind<Vec<3>>()};
+    kinds.insert(kinds.end(), num_biases, MakeBlockKind<Vec<3>>());
+    (kinds.push_back(MakeBlockKind<Own>()), ...);
     return kinds;
   }
 
   template <class T, std::size_t... I>
   bool Residual(const T* const* x, T* r, std::index_sequence<I...>) const {
     [[maybe_unused]] const T* const* own = x + 3 + num_gyro_biases_ + num_accel_biases_;
-    return internal::Whiten<R, T>(W_, function_(StateAt(x), ViewOf<Own>(own[I])...), r);
+    return internal::Whiten<R, T>(W_, function_(StateAt(x), MakeView<Own>(own[I])...), r);
   }
 
   template <class T>

@@ -47,10 +47,10 @@ struct FileContent {
 ///   kSmrmsg      records of POSPac's smrmsg
 ///
 /// Does not throw for any content of the file.
-FileContent LookAtFile(const std::filesystem::path& file);
+FileContent InspectFile(const std::filesystem::path& file);
 
 /// Returns the content of the entries of a folder, sorted by name. Folders, hidden files, YAML and
 /// JSON are left out. An entry that cannot be read, such as a dangling link, is of unknown kind.
-std::vector<FileContent> LookAtFolder(const std::filesystem::path& folder);
+std::vector<FileContent> InspectFolder(const std::filesystem::path& folder);
 
 }  // namespace dn

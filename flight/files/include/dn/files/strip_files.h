@@ -17,7 +17,7 @@ namespace dn {
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
 /// Returns the same files; throws InvalidInput if there are none.
-std::vector<std::filesystem::path> NeedStripFiles(const std::filesystem::path& flight_folder);
+std::vector<std::filesystem::path> RequireStripFiles(const std::filesystem::path& flight_folder);
 
 /// Compares the coordinate system in the header of a strip with strips_crs of flight.yaml. Throws
 /// InvalidConfig if they contradict each other, with the value to write. Returns a note for the

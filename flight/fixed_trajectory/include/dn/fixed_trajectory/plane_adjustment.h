@@ -19,7 +19,7 @@ struct PlanePoint {
 };
 
 /// A plane that several strips observe.
-struct SeenPlane {
+struct ObservedPlane {
   std::vector<PlanePoint> points;
   /// Standard deviation of a point normal to the plane, m: ranging, footprint and roughness.
   double sigma_m = 0.0;
@@ -36,7 +36,7 @@ struct PlaneProblem {
   bool with_range_offset = false;
   /// Prior standard deviation about zero; without a value the offset is free.
   std::optional<double> range_offset_sigma_m;
-  std::vector<SeenPlane> planes;
+  std::vector<ObservedPlane> planes;
 };
 
 /// Options of the plane adjustment.
@@ -124,7 +124,7 @@ struct PlaneAdjustment {
   std::vector<std::vector<char>> kept;  ///< per plane and point; all zero if the plane is left out
   NormalSpread normals;                 ///< distribution of the normals of the kept planes
   /// Number of kept planes for each pair of strips (ascending).
-  std::map<std::pair<int, int>, long> planes_of_strips;
+  std::map<std::pair<int, int>, long> planes_by_strips;
 };
 
 /// Estimates the boresight from planes that several strips observe:
@@ -135,7 +135,7 @@ struct PlaneAdjustment {
 /// They are eliminated plane by plane (3 x 3), so time and memory are linear in the number of
 /// points. The trajectory is fixed: its errors only enter the weights and are treated as
 /// independent between points. Real trajectory errors are correlated in time: see
-/// EstimateTrajectoryScatter.
+/// EstimateCorrelatedErrorCovariance.
 ///
 /// Planes that do not have three kept points in each of two strips are not used. Outliers are
 /// removed in two steps: first planes (plane_medians, repeated until the selection does not
@@ -152,19 +152,21 @@ struct PlaneAdjustment {
                                            const PlaneAdjustmentOptions& options = {});
 
 /// Covariance of the plane adjustment from time-correlated trajectory errors.
-struct PlaneScatter {
-  TrajectoryScatter trajectory;
+struct PlaneErrorCovariance {
+  CorrelatedErrorCovariance trajectory;
   double range_offset_m2 = 0.0;  ///< variance of the range offset from the same errors
 };
 
-/// Estimates the trajectory covariance as EstimateTrajectoryScatter does for pairs; the planes are
+/// Estimates the trajectory covariance as EstimateCorrelatedErrorCovariance does for pairs; the planes are
 /// eliminated together with the boresight. Throws InvalidConfig for bad options, and InvalidInput
 /// if the result belongs to another problem.
-PlaneScatter EstimateTrajectoryScatter(const PlaneProblem& problem, const PlaneAdjustment& result,
-                                       const TrajectoryScatterOptions& options);
+PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& problem,
+                                                       const PlaneAdjustment& result,
+                                                       const TrajectoryErrorOptions& options);
 
 /// Returns the total covariance as ReliableCovariance does for a Gauss-Helmert adjustment.
-Eigen::Matrix3d ReliableCovariance(const PlaneAdjustment& result, const TrajectoryScatter& scatter,
+Eigen::Matrix3d ReliableCovariance(const PlaneAdjustment& result,
+                                   const CorrelatedErrorCovariance& scatter,
                                    const Eigen::Matrix3d& constant_rad2);
 
 }  // namespace dn

@@ -23,7 +23,7 @@ struct PoseCovariance {
 };
 
 /// Origin of the sigmas of a trajectory.
-enum class StatedBy {
+enum class SigmaSource {
   /// Smoother output for this flight: known within a factor of 1.3, common to position and
   /// attitude.
   kSmoother,
@@ -31,7 +31,7 @@ enum class StatedBy {
 };
 
 /// Assumptions about the trajectory errors.
-struct TrajectoryScatterOptions {
+struct TrajectoryErrorOptions {
   /// Covariance of the errors over time from a smoother. If given, none of the options below is
   /// used.
   std::optional<PoseCovariance> covariance = {};
@@ -39,7 +39,7 @@ struct TrajectoryScatterOptions {
   /// heading. The part of the error that is constant over the flight is estimated.
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  StatedBy stated_by = StatedBy::kSmoother;
+  SigmaSource sigma_source = SigmaSource::kSmoother;
   /// Start times of the strips, ascending; errors may decorrelate in the turns before them. If
   /// empty, a pause of 5 s between the epochs of the pairs counts as a turn.
   std::vector<double> strip_begin_s = {};
@@ -50,7 +50,7 @@ struct TrajectoryScatterOptions {
 };
 
 /// Covariance of the boresight from time-correlated trajectory errors.
-struct TrajectoryScatter {
+struct CorrelatedErrorCovariance {
   /// Covariance of the boresight, rad^2, in addition to the white part (covariance_scaled_rad2 of
   /// the adjustment).
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
@@ -126,9 +126,10 @@ struct TrajectoryScatter {
 /// Cost: linear in the number of pairs, plus 18 to 52 tridiagonalisations of order 6 x nodes (0.3
 /// to 0.6 s at 64 nodes). Throws InvalidConfig for bad options, InvalidInput if the result does not
 /// belong to the problem.
-TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
-                                            const GaussHelmertResult& result, BoresightModel model,
-                                            const TrajectoryScatterOptions& options);
+CorrelatedErrorCovariance EstimateCorrelatedErrorCovariance(const GaussHelmertProblem& problem,
+                                                            const GaussHelmertResult& result,
+                                                            BoresightModel model,
+                                                            const TrajectoryErrorOptions& options);
 
 /// Returns max(sigma0^2, (chi2 + 10) / (redundancy + 8)). The second term matters only for a
 /// handful of observations, whose sigma0 is uncertain. The assumed noise then counts as ten
@@ -143,7 +144,7 @@ double ReliableVarianceFactor(double sigma0, double chi2, long redundancy);
 /// constant_rad2 is C_attitude: constant_share times the stated covariance of the trajectory's
 /// attitude in body axes.
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
-                                   const TrajectoryScatter& scatter,
+                                   const CorrelatedErrorCovariance& scatter,
                                    const Eigen::Matrix3d& constant_rad2);
 
 }  // namespace dn

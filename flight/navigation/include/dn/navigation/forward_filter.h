@@ -20,7 +20,8 @@ struct FilterState {
   MapPose pose;
   std::vector<Eigen::Vector3d> gyro_bias;   ///< per process, rad/s
   std::vector<Eigen::Vector3d> accel_bias;  ///< per process, m/s^2
-  std::vector<Eigen::Vector3d> gnss_error;  ///< per process, in units of its sigmas, see GnssError
+  std::vector<Eigen::Vector3d>
+      gnss_error;  ///< per process, in units of its sigmas, see CorrelatedGnssError
   Eigen::MatrixXd covariance;
 
   Eigen::Vector3d TotalGyroBias() const;

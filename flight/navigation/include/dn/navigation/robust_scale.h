@@ -10,10 +10,10 @@ namespace dn {
 
 /// Norm of a standardised 3-vector that a good measurement exceeds with the probability of five
 /// sigmas of a normal variable, 1 in 1.7 million.
-constexpr double kGrossNorm = 5.6;
+constexpr double kOutlierNorm = 5.6;
 /// The same bound for correspondences. A flight has many of them, so that the probability is that
 /// of four sigmas of a normal variable, 6.3e-5.
-constexpr double kGrossPairNorm = 4.68;
+constexpr double kOutlierPairNorm = 4.68;
 
 /// Returns the variance of whitened 3-vectors from the median of their squared norms, at least 1.
 /// Outliers in less than half of them have little influence. norm2 must not be empty.

@@ -12,7 +12,7 @@ namespace dn {
 
 /// Content of a flight: no effect, one, two, one outside the library of effects, or one effect that
 /// the diagnosis must not consider (kLeftOut).
-enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kOutsider, kLeftOut };
+enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kUnlistedEffect, kLeftOut };
 
 /// A series of flights with effects that are unknown to the diagnosis.
 struct BlindSuite {
@@ -28,7 +28,7 @@ struct BlindFlight {
   std::uint64_t seed = 1;  ///< seed of the simulation
   std::string base;        ///< base scenario
   Scenario scenario;       ///< drawn scenario with at most two effects
-  std::optional<Outsider> outsider;
+  std::optional<UnlistedEffect> outsider;
   bool left_out = false;  ///< the diagnosis must not consider the effect
 
   BlindContent content() const;

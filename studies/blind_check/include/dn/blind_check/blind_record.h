@@ -64,7 +64,7 @@ struct BlindRecord {
   std::string base;
   BlindContent content = BlindContent::kNothing;
   std::vector<Effect> effects;
-  std::optional<Outsider> outsider;
+  std::optional<UnlistedEffect> outsider;
   Eigen::Vector3d boresight_deg = Eigen::Vector3d::Zero();  ///< true boresight
   std::size_t strips = 0;
   /// Signature of the single fixed effect of the flight. For an effect of the table lambda_left is
@@ -76,7 +76,7 @@ struct BlindRecord {
 };
 
 /// Returns a record with the truth of a drawn flight, without results.
-BlindRecord TruthOf(const BlindFlight& flight);
+BlindRecord MakeTruthRecord(const BlindFlight& flight);
 
 /// Reads gap.json. Throws InvalidInput with the name of the missing key.
 BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json);

@@ -27,7 +27,7 @@ struct Share {
 struct ReliabilityBin {
   double low = 0.0, high = 0.0;
   double stated = 0.0;  ///< mean stated probability; NaN without causes
-  Share true_ones;      ///< share of causes that are present in the flight
+  Share true_causes;    ///< share of causes that are present in the flight
 };
 
 /// Scores of the flights that contain only the named effect.
@@ -56,7 +56,7 @@ struct StrengthScore {
 };
 
 /// Scores of the flights with one named effect that the diagnosis does not have.
-struct OutsiderScore {
+struct UnlistedEffectScore {
   std::string outsider;
   Share detected;
   Share rejected;  ///< verdict unknown or partial
@@ -117,7 +117,7 @@ struct BlindScore {
   std::array<SizeScore, 3> sizes;          ///< small, medium and large effects
   std::array<StrengthScore, 4> strengths;  ///< below 4.5 sigma, 4.5 to 6, 6 to 8, above 8
   std::vector<EffectScore> effects;
-  std::vector<OutsiderScore> outsiders;
+  std::vector<UnlistedEffectScore> outsiders;
   std::array<SignatureScore, 3> signatures;  ///< below 5 sigma, 5 to 8, above 8
 
   std::array<ReliabilityBin, 10> reliability;

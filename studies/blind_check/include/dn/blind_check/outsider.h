@@ -11,23 +11,24 @@
 namespace dn {
 
 /// An effect outside the library of effects, with its parameters in one flight.
-struct Outsider {
+struct UnlistedEffect {
   std::string name;
   Json parameters;  ///< their keys carry the units
 };
 
 /// Returns scan_torsion, strip_range_jump, gyro_oscillation, gnss_waves, boresight_warming,
 /// boresight_by_heading, matcher_shift, lidar_clock_walk.
-std::vector<std::string> OutsiderNames();
+std::vector<std::string> UnlistedEffectNames();
 
 /// Draws the parameters of an effect, with random signs and axes. The size is log-uniform between 1
 /// and 10 times the typical size of the most similar effect in the library. Throws InvalidInput for
 /// an unknown name.
-Outsider DrawOutsider(const std::string& name, const FlightTimes& times, Random& random);
+UnlistedEffect DrawUnlistedEffect(const std::string& name, const FlightTimes& times,
+                                  Random& random);
 
 /// Returns the errors that the simulation adds for the effect. The scanner axes are those of
 /// `scenario`. Throws InvalidInput for an unknown name, Json::exception for wrong parameters.
-OwnErrors MakeOwnErrors(const Outsider& outsider, const Scenario& scenario);
+OwnErrors MakeOwnErrors(const UnlistedEffect& outsider, const Scenario& scenario);
 
 /// Draws a number whose logarithm is uniform between those of low and high, which are positive.
 double LogUniform(double low, double high, Random& random);

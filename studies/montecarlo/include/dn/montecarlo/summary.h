@@ -11,7 +11,7 @@
 namespace dn {
 
 /// A statistic with its 99 % interval under the hypothesis that the covariances are correct.
-struct JudgedFigure {
+struct TestedStatistic {
   double value = 0.0;
   Interval band;
   bool ok() const { return band.Contains(value); }
@@ -19,8 +19,8 @@ struct JudgedFigure {
 
 /// Consistency of the boresight over the flights.
 struct BoresightConsistency {
-  JudgedFigure nees_per_dof;             ///< mean NEES / 3
-  std::array<JudgedFigure, 3> coverage;  ///< share of the angles within 1, 2, 3 sigmas
+  TestedStatistic nees_per_dof;             ///< mean NEES / 3
+  std::array<TestedStatistic, 3> coverage;  ///< share of the angles within 1, 2, 3 sigmas
   Eigen::Vector3d mean_sigmas = Eigen::Vector3d::Zero();  ///< mean of e / sigma, per angle
   Eigen::Vector3d rms_deg = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_sigma_deg = Eigen::Vector3d::Zero();
@@ -44,8 +44,8 @@ struct TrajectoryConsistency {
 struct SensorConsistency {
   std::string sensor;
   std::string axis;
-  JudgedFigure variance_ratio;  ///< mean square / expected variance
-  JudgedFigure lag1;            ///< tested only for innovations, which must be white
+  TestedStatistic variance_ratio;  ///< mean square / expected variance
+  TestedStatistic lag1;            ///< tested only for innovations, which must be white
 };
 
 /// Consistency of the covariances over many simulated flights.
@@ -56,10 +56,10 @@ struct MonteCarloSummary {
   bool with_pairs = true;
   BoresightConsistency boresight;
   std::vector<TrajectoryConsistency> trajectory;  ///< in the order of kQuantities
-  JudgedFigure chi2_per_dof;                      ///< sum of 2 x cost / sum of redundancies
-  JudgedFigure share_chi2_inside;  ///< share of flights whose chi2 is inside its own 99 % band
+  TestedStatistic chi2_per_dof;                   ///< sum of 2 x cost / sum of redundancies
+  TestedStatistic share_chi2_inside;  ///< share of flights whose chi2 is inside its own 99 % band
   /// Share of flights whose model is rejected by the model check, although it is the true one.
-  JudgedFigure share_contradicted;
+  TestedStatistic share_contradicted;
   std::vector<SensorConsistency> residuals;
   std::vector<SensorConsistency> innovations;
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();

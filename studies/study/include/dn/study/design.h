@@ -32,7 +32,7 @@ struct DesignOptions {
   std::string estimate;
   /// Upper limit of the rate of trajectory nodes within the strips of a scenario. Below
   /// network.node_rate_hz, sigmas are wrong by some percent (docs/validation/benchmarks.md).
-  double most_node_rate_hz = std::numeric_limits<double>::infinity();
+  double max_node_rate_hz = std::numeric_limits<double>::infinity();
   std::function<bool()> interrupted = {};  ///< polled; returning true aborts with Interrupted
 };
 
@@ -40,7 +40,7 @@ struct DesignOptions {
 /// noise. Ignores its effects except gnss_outage and imu_gap, which are times without data. Throws
 /// RankDeficient if no two strips overlap or if no pairs are requested. Throws InvalidConfig if the
 /// scenario cannot be flown or if `estimate` is invalid.
-StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options = {});
+StudyDesign MakeDesign(const Scenario& scenario, const DesignOptions& options = {});
 
 /// Returns a flight on its trajectory, else on its initial guess, else on the INS/GNSS solution of
 /// its data. A flight without inertial data is a plan on one of the former two. Its inertial data
@@ -48,6 +48,6 @@ StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options = {}
 ///
 /// Throws RankDeficient for a flight without pairs. Throws InvalidInput if the states have no
 /// source or if there is no section `imu`, and InvalidConfig if `estimate` is invalid.
-StudyDesign DesignOf(Flight flight, const DesignOptions& options = {});
+StudyDesign MakeDesign(Flight flight, const DesignOptions& options = {});
 
 }  // namespace dn

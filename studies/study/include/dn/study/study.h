@@ -106,7 +106,7 @@ struct StudyOptions {
 };
 
 /// Returns the covariances of a scenario before it is flown. Throws RankDeficient, with the name of
-/// the unknown, if the design leaves an unknown free; also throws as DesignOf.
+/// the unknown, if the design leaves an unknown free; also throws as MakeDesign.
 /// StudyResult::observable() is false for a design that is formally regular but does not determine
 /// an unknown.
 StudyResult Study(const Scenario& scenario, const StudyOptions& options = {});
@@ -116,7 +116,7 @@ StudyResult Study(Flight flight, const StudyOptions& options = {});
 
 /// Returns the network of a design, linearised at its states, with its covariances. The design must
 /// outlive it. Throws RankDeficient if an unknown is free.
-Solution AtStates(const StudyDesign& design, int threads = 1);
+Solution SolveAtStates(const StudyDesign& design, int threads = 1);
 
 /// Returns the study of a design at its states, without remedies.
 StudyResult Study(const StudyDesign& design, const Solution& at_states);

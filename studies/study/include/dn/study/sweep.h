@@ -74,7 +74,8 @@ struct SweepRecord {
 };
 
 /// Studies one design. Throws Interrupted.
-SweepRecord StudyOfSweep(const Sweep& sweep, std::uint64_t number, const DesignOptions& options);
+SweepRecord StudySweepDesign(const Sweep& sweep, std::uint64_t number,
+                             const DesignOptions& options);
 
 /// Converts a record to JSON and back; doubles stay unchanged.
 Json ToJson(const SweepRecord& record);
