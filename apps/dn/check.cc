@@ -30,7 +30,7 @@ struct CheckArguments {
   std::string flight;
 };
 
-/// The readable data of a folder, and the errors of the others.
+/// The data that could be read from a folder, and the problems of the files that could not.
 struct Contents {
   Flight flight;
   std::vector<std::string> problems;
@@ -132,7 +132,7 @@ void SummariseAxes(const BodyDirections& directions, Json* json) {
   const double roll_deg = std::atan2(down.y(), down.z()) * kDegPerRad;
   const double pitch_deg = -std::asin(std::clamp(down.x(), -1.0, 1.0)) * kDegPerRad;
   std::string text =
-      fmt::format("mean roll {:.1f}, pitch {:.1f} deg by gravity", roll_deg, pitch_deg);
+      fmt::format("mean roll {:.1f}, pitch {:.1f} deg from gravity", roll_deg, pitch_deg);
   Json& axes = (*json)["imu"]["axes"] = {{"roll_deg", roll_deg}, {"pitch_deg", pitch_deg}};
   if (directions.course_b) {
     const Eigen::Vector3d& course = *directions.course_b;
@@ -159,7 +159,7 @@ void SummariseGnss(const Flight& flight, Json* json) {
   const double span_s = epochs.back().t_s - epochs.front().t_s;
   const double rate_hz = span_s > 0.0 ? static_cast<double>(steps_s.size()) / span_s : 0.0;
   fmt::print(
-      "GNSS data       {} epochs, {:.3f} .. {:.3f} s, {:.2f} Hz, longest hole {:.1f} s, velocity "
+      "GNSS data       {} epochs, {:.3f} .. {:.3f} s, {:.2f} Hz, longest gap {:.1f} s, velocity "
       "{}\n",
       epochs.size(), epochs.front().t_s, epochs.back().t_s, rate_hz, longest_s,
       velocity ? "used" : "not used");
@@ -201,7 +201,7 @@ void SummarisePairs(const Flight& flight, Json* json) {
     list.push_back(LineJson(line));
   }
   for (const auto& [name, pairs] : CountStripPairs(flight, strips)) {
-    fmt::print("                strips {}: {} pairs, in {} of 20 tenths of the two\n", name,
+    fmt::print("                strips {}: {} pairs, in {} of the 20 tenths of both strips\n", name,
                pairs.count, pairs.tenths);
     between[name] = {{"count", pairs.count}, {"tenths", pairs.tenths}};
   }

@@ -262,7 +262,7 @@ int Execute(const std::string& command, const CommonOptions& options,
   Run run(command, options);
   Failure failure;
   try {
-    run.TakeOutput();  // fail before the work, not after it
+    run.TakeOutput();  // fails before the work instead of after it
     for (const std::filesystem::path& link : options.inputs.circular_links) {
       run.progress.Warn("the link " + link.string() + " leads back to itself; it is left out");
     }

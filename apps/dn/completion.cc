@@ -38,7 +38,7 @@ std::string BashScript(const CLI::App& program) {
 void AddCompletion(CLI::App* program, Action* action) {
   auto shell = std::make_shared<std::string>();
   CLI::App* app =
-      program->add_subcommand("completion", "Prints a shell script that completes dn commands");
+      program->add_subcommand("completion", "Prints a script for shell completion of dn commands");
   app->set_version_flag("--version", "dn " DN_VERSION);
   app->add_option("SHELL", *shell, "Shell of the script: bash or zsh")
       ->required()

@@ -332,7 +332,7 @@ std::string FlightDraft::TrajectoryText() const {
   text += ColumnsText();
   if (smrmsg_) return text + fmt::format("  sigma_file: {}\n", QuoteYaml(Named(smrmsg_->file)));
   return text +
-         "  sigma_xy_m: 0.03              # assumed, as the other three\n  sigma_z_m: 0.05\n"
+         "  sigma_xy_m: 0.03              # assumed, like the next three\n  sigma_z_m: 0.05\n"
          "  sigma_rp_deg: 0.003\n  sigma_y_deg: 0.005\n";
 }
 

@@ -71,7 +71,7 @@ void Init(const InitArguments& options, Run& run) {
   if (draft.empty()) {
     throw InvalidInput("no file in " + folder.string() +
                        " holds inertial data, GNSS positions, pairs or a trajectory; "
-                       "docs/reference/formats.md has the forms");
+                       "docs/reference/formats.md describes the formats");
   }
   draft.Settle();
   WriteFileAtomically(folder / "flight.yaml", draft.Text());

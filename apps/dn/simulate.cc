@@ -103,7 +103,7 @@ void AddSimulate(CLI::App* program, Action* action) {
   app->add_option("SCENARIO", options->scenario,
                   "Scenario file or name of a shipped scenario (list below)")
       ->required();
-  app->add_option("--seed", options->seed, "Seed of every random number")
+  app->add_option("--seed", options->seed, "Seed of all random numbers")
       ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_flag("--noise-free", options->noise_free,

@@ -34,7 +34,7 @@ std::string ReadEstimateList(const YamlValue& list) {
   try {
     ParseEstimate(text);
   } catch (const InvalidConfig& error) {
-    list.Fail(error.what());
+    throw InvalidConfig(error.what(), list.where());
   }
   return text;
 }
