@@ -231,7 +231,7 @@ int Main(int argc, char** argv) {
   app.add_option("--work", options.work, "Folder for flights and results")->required();
   app.add_option("--set", options.settings, "Changes of the scenario, KEY=VALUE");
   app.add_option("--flights", options.flights, "How many")->capture_default_str();
-  app.add_option("--seed", options.first_seed, "Of the first flight")->capture_default_str();
+  app.add_option("--seed", options.first_seed, "Seed of the first flight")->capture_default_str();
   app.add_option("--threads", options.threads, "Of dn calibrate")->capture_default_str();
   app.add_option("--json", options.json, "Write the figures here");
   app.add_option("--dn", options.program, "The program")->capture_default_str();

@@ -286,9 +286,9 @@ int Main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_flag("!--no-rate-check", options.rate_check, "Only the default node rate");
-  app.add_option("--threads", options.threads, "Of dn calibrate; 0: its default");
+  app.add_option("--threads", options.threads, "Threads of dn calibrate; 0: its default");
   app.add_option("--seed", options.seed, "Of the simulation")->capture_default_str();
-  app.add_option("--timeout", options.timeout_s, "Of one program run, s")->capture_default_str();
+  app.add_option("--timeout", options.timeout_s, "Time limit of one program run, s")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     Run(options);

@@ -13,7 +13,7 @@ FlightConfig WithTrajectory(FlightConfig config, const std::string& trajectory) 
 }
 
 bool HasTrajectory(const FlightConfig& config) {
-  // What is no regular file is for the reader to refuse.
+  // The reader refuses files that are not regular.
   const auto is_there = [&](const std::filesystem::path& name) {
     std::error_code none;
     const auto type = std::filesystem::status(config.folder / name, none).type();

@@ -54,7 +54,7 @@ std::vector<FileContent> LookAtFlightFolder(const fs::path& folder) {
 void ExpectFolder(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_directory(folder, none)) {
-    throw InvalidConfig("there is no folder '" + folder.string() + "'");
+    throw InvalidConfig("there is not a folder '" + folder.string() + "'");
   }
   const fs::path file = folder / "flight.yaml";
   if (!fs::exists(fs::symlink_status(file, none))) return;

@@ -4,7 +4,7 @@
 
 namespace dn::apps {
 
-/// What the user of a command can change to need less memory.
+/// Returns advice on how the user of a command can reduce its memory.
 std::string MemoryAdvice(const std::string& command);
 
 }  // namespace dn::apps

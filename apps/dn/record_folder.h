@@ -13,8 +13,8 @@
 
 namespace dn::apps {
 
-/// Reads the record of the flight or design `number`. Throws InvalidInput if the value is not a record
-/// or belongs to another number.
+/// Reads the record of the flight or design `number`. Throws InvalidInput if the value is not a
+/// record or belongs to another number.
 template <class Record>
 using RecordReader = std::function<Record(const JsonPlace& json, std::uint64_t number)>;
 

@@ -60,14 +60,14 @@ Series SeriesFromJson(const JsonPlace& json) {
   series.command = json.At("command").Text();
   const bool is_monte_carlo = series.command == "monte-carlo";
   if (!is_monte_carlo && series.command != "blind-check" && series.command != "study") {
-    json.At("command").Fail("is no command that makes a series");
+    json.At("command").Fail("is not a command that makes a series");
   }
   series.first = json.At("first").Unsigned();
   const bool fits = series.first <= std::numeric_limits<std::uint64_t>::max() - kMostFlights;
-  if (!(is_monte_carlo ? fits : series.first == 1)) json.At("first").Fail("is no first number");
+  if (!(is_monte_carlo ? fits : series.first == 1)) json.At("first").Fail("is not a first number");
   series.flights = static_cast<std::uint64_t>(json.At("flights").Integer(1, kMostFlights));
   series.shard = ParseShard(json.At("shard").Text());
-  if (series.shard.index == 0) json.At("shard").Fail("is no shard i/N");
+  if (series.shard.index == 0) json.At("shard").Fail("is not a shard i/N");
   series.made_from = json.At("made_from").Text();
   return series;
 }

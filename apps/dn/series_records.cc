@@ -83,7 +83,7 @@ RecordReader<BlindRecord> BlindRecordReader(const JsonPlace& made_from) {
     BlindRecord record = BlindRecordFromJson(json);
     ExpectNumber(json, "seed", BlindFlightSeed(seed, record.number));
     if (std::find(names.begin(), names.end(), record.base) == names.end()) {
-      json.At("base").Fail("is no scenario of made_from.json");
+      json.At("base").Fail("is not a scenario of made_from.json");
     }
     if (!only.empty() && only != Word(record.content)) {
       json.At("content").Fail("is not that of made_from.json");

@@ -30,11 +30,12 @@ struct ExtendedPairFit {
   Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
 };
 
-/// Evidence of lidar effects with time-correlated trajectory errors in the model (TimeCorrelatedErrorModel).
-/// It is not known how much of the stated trajectory errors is independent between pairs. The noise
-/// of the pairs is therefore free between its own stated size and that with all these errors. The
-/// trajectory errors may be larger than stated, by octaves. The evidence of an effect is the
-/// largest log likelihood with it minus the largest without it, each over all scales.
+/// Evidence of lidar effects with time-correlated trajectory errors in the model
+/// (TimeCorrelatedErrorModel). It is not known how much of the stated trajectory errors is
+/// independent between pairs. The noise of the pairs is therefore free between its own stated size
+/// and that with all these errors. The trajectory errors may be larger than stated, by octaves. The
+/// evidence of an effect is the largest log likelihood with it minus the largest without it, each
+/// over all scales.
 class GaussHelmertEvidence {
  public:
   /// `library` must outlive the object.

@@ -38,8 +38,8 @@ struct HeldOutOptions {
 /// Windows, starts and sizes of processes are those of the whole flight.
 ///
 /// An effect k that the network lacks adds log BF_k of all data minus log BF_k of the data outside
-/// the fold (SizeAveragedEvidence). This averages over its size: M becomes M - M L (I / v + A)^-1 L^T M.
-/// Measurements that either adjustment left out are in no fold. Throws Interrupted.
+/// the fold (SizeAveragedEvidence). This averages over its size: M becomes M - M L (I / v + A)^-1
+/// L^T M. Measurements that either adjustment left out are in no fold. Throws Interrupted.
 HeldOutGains MeasureHeldOut(const ExtendedFit& without, const ExtendedFit& with,
                             const HeldOutOptions& options);
 

@@ -162,7 +162,7 @@ std::vector<double> Differences(const ImuData& imu, ImuTriad triad, Eigen::Index
   return differences;
 }
 
-/// Returns the step of which the differences of successive values are multiples, apart from the
+/// Returns the largest step that divides all differences of successive values, apart from the
 /// rounding of the file. Returns 0 if there is no such step, or if it is too small to matter.
 double Resolution(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
   /// In medians of the differences: a finer step adds no relevant noise.

@@ -307,10 +307,10 @@ class LasFileReader {
     ExpectLittleElse(begin - las_.points_end() + las_.file_bytes - at);
   }
 
-  /// What follows the points is copied with them.
+  /// The bytes after the points are copied with them.
   void ExpectLittleElse(std::uint64_t bytes) const {
     if (bytes <= kMostHeadBytes || Number<std::uint64_t>(las::kWaveformAt) != 0) return;
-    Fail(Bytes(bytes) + " behind the points belong to no record of which it knows; repair it");
+    Fail(Bytes(bytes) + " behind the points belong to no record that its header lists; repair it");
   }
 
   // Well-known text takes precedence over GeoTIFF keys: if a file has both, the keys are the older

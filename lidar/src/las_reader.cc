@@ -83,7 +83,7 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
 double LasReader::Time(std::uint64_t index, const char* record) {
   const auto tag_s = LoadLittleEndian<double>(record + *las_.time_at);
   if (!std::isfinite(tag_s)) {
-    throw InvalidInput("GPS time of " + NameOfPoint(index) + " is no finite number", Where());
+    throw InvalidInput("GPS time of " + NameOfPoint(index) + " is not a finite number", Where());
   }
   const auto error = [&](const std::string& why) {
     return InvalidInput("GPS time " + FormatDouble(tag_s) + " of " + NameOfPoint(index) + why,
@@ -106,7 +106,7 @@ double LasReader::Time(std::uint64_t index, const char* record) {
                 " s being the begin of its week; split the file by weeks");
   }
   throw error(
-      ", which the header calls seconds of week (bit 0 of byte 6), is none; if it is adjusted "
+      ", which the header calls seconds of week (bit 0 of byte 6), is not one; if it is adjusted "
       "standard time, set the bit");
 }
 

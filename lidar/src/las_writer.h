@@ -14,8 +14,8 @@ namespace dn::internal {
 /// except for fields that depend on the points. Coordinates are rounded to the grid of the file.
 class LasWriter final : public StripWriter {
  public:
-  /// A covariance in `additions` adds six floats per point, the extra bytes VarianceX, VarianceY, VarianceZ,
-  /// CovarianceXY, CovarianceXZ, CovarianceYZ (m^2).
+  /// A covariance in `additions` adds six floats per point, the extra bytes VarianceX, VarianceY,
+  /// VarianceZ, CovarianceXY, CovarianceXZ, CovarianceYZ (m^2).
   LasWriter(const std::filesystem::path& file, LasFile las, const StripAdditions& additions);
 
   void Append(const StripCloud& points) override;

@@ -79,7 +79,7 @@ struct ActiveEffects {
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true minus assumed value
   /// Error added to the rotation vector of the boresight.
   std::vector<std::function<Eigen::Vector3d(double t_s, const LidarSpan& span)>> boresight_rad;
-  /// Additional angle by which the beams are rotated towards +scan_axis, relative to the assumed
+  /// Additional angle that rotates the beams towards +scan_axis, relative to the assumed
   /// one.
   double scan_cone_rad = 0.0;
   /// Measured laser vector for a true one in the sensor frame, at the true time t_s.
@@ -93,7 +93,7 @@ struct ActiveEffects {
   /// Errors of all pairs together, applied after the errors of each pair.
   std::vector<std::function<void(PairData* pairs)>> all_pairs;
 
-  /// Rotations by which the attitude of trajectory.out is multiplied from the right.
+  /// Rotations that multiply the attitude of trajectory.out from the right.
   std::vector<Eigen::Quaterniond> trajectory_turn;
 };
 

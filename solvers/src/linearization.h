@@ -32,7 +32,7 @@ struct UnknownLayout {
 /// These are first-order robust weights, as in Ceres.
 class Linearization {
  public:
-  /// Jacobian of one factor: rows x (its unknown blocks side by side), column-major.
+  /// Jacobian of one factor: rows x (its unknown blocks next to each other), column-major.
   struct Edge {
     int rows = 0;
     int cols = 0;

@@ -78,7 +78,8 @@ class FewRows {
   std::vector<int> label_;
 };
 
-/// Calls use(R) for the samples of ForEachSampledResidual in batches; the rows of R are the samples.
+/// Calls use(R) for the samples of ForEachSampledResidual in batches; the rows of R are the
+/// samples.
 template <class Use>
 void ForRowsOfSamples(const Marginals& marginals, const Use& use) {
   std::mt19937_64 generator(kSeed);

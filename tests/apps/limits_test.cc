@@ -1,4 +1,4 @@
-// What asks for time or memory without end is refused, with its bound.
+// Input that asks for unlimited time or memory is refused, and the message states the bound.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace dn::testing::limits_test {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-// Of a program that begins and refuses; the libraries alone map half of it.
+// Memory of a program that starts and refuses; the libraries alone map half of it.
 constexpr long kLittleMemory = 1L << 30;
 
 ProgramRun RunWithin(const std::vector<std::string>& arguments) {

@@ -138,11 +138,11 @@ TEST_F(SeriesOfThree, ARecordOfAnotherNumberIsRefused) {
 
 TEST_F(SeriesOfThree, TheReportOfAShardIsThatOfItsRecords) {
   const std::tuple<const char*, Json, const char*> changes[] = {
-      {"flights", 1'000'000'000'000, "/series/flights is no whole number within 1 and 1000000"},
-      {"flights", 1e18, "/series/flights is no whole number within 1 and 1000000"},
-      {"first", -1, "/series/first is no whole number"},
-      {"shard", "3/2", "/series/shard is no shard i/N"},
-      {"command", "match", "/series/command is no command"},
+      {"flights", 1'000'000'000'000, "/series/flights is not an integer within 1 and 1000000"},
+      {"flights", 1e18, "/series/flights is not an integer within 1 and 1000000"},
+      {"first", -1, "/series/first is not an integer"},
+      {"shard", "3/2", "/series/shard is not a shard i/N"},
+      {"command", "match", "/series/command is not a command"},
       {"made_from", "0123", "not of one run"}};
   for (const auto& [key, value, message] : changes) {
     const fs::path changed =

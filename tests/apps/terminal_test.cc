@@ -1,4 +1,4 @@
-// What a terminal and a shell are given.
+// Text that the program sends to a terminal or offers to a shell.
 #include <dn/report/json.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -292,13 +292,13 @@ TEST(OutputDirectory, AJournalReachesNothingThroughALink) {
     const PlantedJournal planted;
     fs::create_directory_symlink(planted.path() / "elsewhere", planted.path() / "out" / link);
     planted.WriteOurs("lidar/1_2.txt\n");
-    planted.ExpectRefused("is no folder");
+    planted.ExpectRefused("is not a folder");
   }
   const PlantedJournal planted;
   fs::remove_all(planted.Staging() / ".replaced");
   fs::create_directory_symlink(planted.path(), planted.Staging() / ".replaced");
   planted.WriteOurs("victim\n");
-  planted.ExpectRefused("is no folder");
+  planted.ExpectRefused("is not a folder");
 }
 
 TEST(OutputDirectory, AJournalIsARegularFile) {

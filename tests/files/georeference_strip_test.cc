@@ -397,7 +397,7 @@ TEST_F(GeoreferenceStrip, ANewFileRecordsTheBoresightOfItsPoints) {
   options.made_with.declared_rad = survey_.mounting.boresight_rad;
   options.mounting.boresight_rad = Vector3d(-0.1, 0.2, 0.5) * kRadPerDeg;
   Run(options, "map", "strip.las");
-  // What flight.yaml says of the boresight has no part in it from now on.
+  // From now on the boresight in flight.yaml has no influence.
   const SourcedStrip strip = ReadBySource(survey_, Out("strip.las"), "map");
   EXPECT_EQ(strip.counts.origin->kind, VectorOrigin::Kind::kRecorded);
   EXPECT_LT((strip.counts.origin->boresight_rad - options.mounting.boresight_rad).norm(), 1e-15);

@@ -10,7 +10,7 @@ from .program import Conditions
 PEAK_MB = 1000.0
 WRITERS = [CHECK, CHECK, CHECK, SMOOTH, CALIBRATE]
 STAGING = ".dn-staging-abcdef"
-# Nothing of these may be touched; `victim` is a file beside the folder of the results.
+# These must stay untouched; `victim` is a file next to the results folder.
 OUTSIDE = ["../victim", "../elsewhere/1_2.txt", "/victim", "..", ".", "../..", "../out/../victim", "a/../../victim",
            "a/b/../../../victim", "{here}/victim", "/etc/hostname", "", "lidar/../../victim", "./../victim",
            "flight/../victim", "../flight/IMU.txt", "../flight/flight.yaml"]

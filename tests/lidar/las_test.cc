@@ -362,7 +362,7 @@ TEST(LasHeader, ReportsFalseStatements) {
   const std::size_t descriptor = 227 + 54 + 17 + 54;
   with(descriptor + 2, std::uint8_t{31}, "unknown type 31");
   const std::size_t first = las.Build().size() - 3 * las.RecordBytes();
-  with(first + 20, std::nan(""), "GPS time of point 1 is no finite number");
+  with(first + 20, std::nan(""), "GPS time of point 1 is not a finite number");
   with(first + 20, 3.5e8, "if it is adjusted standard time, set the bit");
 }
 

@@ -42,12 +42,12 @@ TEST(JsonReader, ReadsWhatIsWritten) {
 }
 
 TEST(JsonReader, NamesLineAndColumnOfWhatIsNoJson) {
-  EXPECT_EQ(RefusalOf(""), "this is no JSON (x.json:1:1)");
-  EXPECT_EQ(RefusalOf("{\"a\": 1,\n \"b\": x}"), "this is no JSON (x.json:2:7)");
+  EXPECT_EQ(RefusalOf(""), "this is not JSON (x.json:1:1)");
+  EXPECT_EQ(RefusalOf("{\"a\": 1,\n \"b\": x}"), "this is not JSON (x.json:2:7)");
   EXPECT_EQ(RefusalOf("[1, 1e999]"), "a number is too large for JSON (x.json:1:9)");
   for (const std::string text :
        {"[1, 2", "[1] 2", "nan", "{'a': 1}", "[1,]", "\"\xff\"", "[\x01]"}) {
-    EXPECT_THAT(RefusalOf(text), HasSubstr("this is no JSON (x.json:1:")) << text;
+    EXPECT_THAT(RefusalOf(text), HasSubstr("this is not JSON (x.json:1:")) << text;
   }
 }
 
@@ -111,27 +111,27 @@ TEST(JsonPlace, NamesFileAndPlaceOfWhatItDoesNotExpect) {
       "f");
   const JsonPlace root(json, "f");
   const JsonPlace list = root.At("a/b").At("x");
-  EXPECT_EQ(Refusal([&] { list.At(1).Number(); }), "/a~1b/x/1 is no number (f)");
-  EXPECT_EQ(Refusal([&] { list.At(2).Number(); }), "/a~1b/x/2 is no number (f)");
+  EXPECT_EQ(Refusal([&] { list.At(1).Number(); }), "/a~1b/x/1 is not a number (f)");
+  EXPECT_EQ(Refusal([&] { list.At(2).Number(); }), "/a~1b/x/2 is not a number (f)");
   EXPECT_EQ(Refusal([&] { list.At(3); }), "/a~1b/x has 3 elements, too few (f)");
   EXPECT_EQ(Refusal([&] { root.At("c"); }), "/c is missing (f)");
-  EXPECT_EQ(Refusal([&] { list.At("c"); }), "/a~1b/x is no object (f)");
-  EXPECT_EQ(Refusal([&] { root.Elements(); }), "the file is no list (f)");
+  EXPECT_EQ(Refusal([&] { list.At("c"); }), "/a~1b/x is not an object (f)");
+  EXPECT_EQ(Refusal([&] { root.Elements(); }), "the file is not a list (f)");
   EXPECT_EQ(Refusal([&] { list.Elements(2); }), "/a~1b/x has 3 elements, at most 2 (f)");
   EXPECT_EQ(Refusal([&] { root.At("big").Number(0.0, 1e9); }),
             "/big is 1e+308, not within 0 and 1e+09 (f)");
   for (const char* key : {"big", "half", "u", "a/b"}) {
     EXPECT_THAT(Refusal([&] { root.At(key).Integer(0, 9); }),
-                HasSubstr("is no whole number within 0 and 9"))
+                HasSubstr("is not an integer within 0 and 9"))
         << key;
   }
   EXPECT_THAT(Refusal([&] { list.FiniteVector3(); }), Not(HasSubstr("read")));
-  EXPECT_THAT(Refusal([&] { root.At("a/b").Text(); }), HasSubstr("is no text"));
+  EXPECT_THAT(Refusal([&] { root.At("a/b").Text(); }), HasSubstr("is not a text"));
   EXPECT_THAT(Refusal([&] { list.At(1).Text(0); }), HasSubstr("longer than 0 bytes"));
   EXPECT_THAT(Refusal([&] { root.At("half").Flag(); }), HasSubstr("is neither true nor false"));
-  EXPECT_THAT(Refusal([&] { root.At("half").Unsigned(); }), HasSubstr("is no whole number"));
-  EXPECT_THAT(Refusal([&] { root.At("half").Vector3(); }), HasSubstr("is no list of three"));
-  EXPECT_THAT(Refusal([&] { root.At("half").Matrix3(); }), HasSubstr("is no list of three"));
+  EXPECT_THAT(Refusal([&] { root.At("half").Unsigned(); }), HasSubstr("is not an integer"));
+  EXPECT_THAT(Refusal([&] { root.At("half").Vector3(); }), HasSubstr("is not a list of three"));
+  EXPECT_THAT(Refusal([&] { root.At("half").Matrix3(); }), HasSubstr("is not a list of three"));
 }
 
 }  // namespace dn::json_reader_test

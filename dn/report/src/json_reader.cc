@@ -57,7 +57,7 @@ class TreeBuilder {
   template <class Error>
   bool parse_error(std::size_t position, const std::string& /*token*/, const Error& error) {
     const bool range = error.id == kNumberOverflow;
-    throw InvalidInput(range ? "a number is too large for JSON" : "this is no JSON",
+    throw InvalidInput(range ? "a number is too large for JSON" : "this is not JSON",
                        LocationOf(text_, position, file_));
   }
 
@@ -161,7 +161,7 @@ bool JsonPlace::Has(const std::string& key) const {
 }
 
 JsonPlace JsonPlace::At(const std::string& key) const {
-  if (!json_->is_object()) Fail("is no object");
+  if (!json_->is_object()) Fail("is not an object");
   JsonPlace place(nullptr, file_, pointer_ + "/" + EscapedKey(key));
   const auto found = json_->find(key);
   if (found == json_->end()) place.Fail("is missing");
@@ -170,13 +170,13 @@ JsonPlace JsonPlace::At(const std::string& key) const {
 }
 
 JsonPlace JsonPlace::At(std::size_t index) const {
-  if (!json_->is_array()) Fail("is no list");
+  if (!json_->is_array()) Fail("is not a list");
   if (index >= json_->size()) Fail(fmt::format("has {} elements, too few", json_->size()));
   return {&(*json_)[index], file_, pointer_ + "/" + std::to_string(index)};
 }
 
 std::vector<JsonPlace> JsonPlace::Elements(std::size_t most) const {
-  if (!json_->is_array()) Fail("is no list");
+  if (!json_->is_array()) Fail("is not a list");
   if (json_->size() > most) Fail(fmt::format("has {} elements, at most {}", json_->size(), most));
   std::vector<JsonPlace> elements;
   elements.reserve(json_->size());
@@ -185,7 +185,7 @@ std::vector<JsonPlace> JsonPlace::Elements(std::size_t most) const {
 }
 
 double JsonPlace::Number(double least, double most) const {
-  if (!json_->is_number()) Fail("is no number");
+  if (!json_->is_number()) Fail("is not a number");
   const double value = json_->get<double>();
   if (value < least || value > most) {
     Fail(fmt::format("is {:g}, not within {:g} and {:g}", value, least, most));
@@ -203,13 +203,13 @@ std::int64_t JsonPlace::Integer(std::int64_t least, std::int64_t most) const {
                                                 : json_->is_number_integer();
   const std::int64_t value = fits ? json_->get<std::int64_t>() : 0;
   if (!fits || value < least || value > most) {
-    Fail(fmt::format("is no whole number within {} and {}", least, most));
+    Fail(fmt::format("is not an integer within {} and {}", least, most));
   }
   return value;
 }
 
 std::uint64_t JsonPlace::Unsigned() const {
-  if (!json_->is_number_unsigned()) Fail("is no whole number of 64 bits");
+  if (!json_->is_number_unsigned()) Fail("is not an integer of 64 bits");
   return json_->get<std::uint64_t>();
 }
 
@@ -220,7 +220,7 @@ bool JsonPlace::Flag() const {
 
 std::string JsonPlace::Text(std::size_t max_bytes) const {
   const auto* text = json_->get_ptr<const Json::string_t*>();
-  if (text == nullptr) Fail("is no text");
+  if (text == nullptr) Fail("is not a text");
   if (text->size() > max_bytes) Fail(fmt::format("is longer than {} bytes", max_bytes));
   return *text;
 }
@@ -232,18 +232,18 @@ std::vector<std::string> JsonPlace::Texts() const {
 }
 
 Eigen::Vector3d JsonPlace::Vector3() const {
-  if (!json_->is_array() || json_->size() != 3) Fail("is no list of three");
+  if (!json_->is_array() || json_->size() != 3) Fail("is not a list of three");
   return {At(0).NumberOrNaN(), At(1).NumberOrNaN(), At(2).NumberOrNaN()};
 }
 
 Eigen::Vector3d JsonPlace::FiniteVector3() const {
   const Eigen::Vector3d vector = Vector3();
-  if (!vector.allFinite()) Fail("is no list of three numbers");
+  if (!vector.allFinite()) Fail("is not a list of three numbers");
   return vector;
 }
 
 Eigen::Matrix3d JsonPlace::Matrix3() const {
-  if (!json_->is_array() || json_->size() != 3) Fail("is no list of three rows");
+  if (!json_->is_array() || json_->size() != 3) Fail("is not a list of three rows");
   Eigen::Matrix3d matrix;
   for (int i = 0; i < 3; ++i) matrix.row(i) = At(static_cast<std::size_t>(i)).Vector3();
   return matrix;

@@ -15,8 +15,8 @@ inline constexpr Eigen::Index kLeverArmColumn = 0, kTimeOffsetColumn = 3, kPairE
 ///
 /// There is one matrix per pair edge. It is empty for an inactive edge, and for one whose residual
 /// is not a difference of two points. `means` are averaged samples for the derivatives of the
-/// increments (AverageSamples). `whole` has, for each inertial edge that pairs use, the derivatives of
-/// its rotation increment by the inertial effects.
+/// increments (AverageSamples). `whole` has, for each inertial edge that pairs use, the derivatives
+/// of its rotation increment by the inertial effects.
 std::vector<Eigen::Matrix3Xd> PairColumns(const FlightNetwork& network,
                                           const CalibrationState& calibration, const ImuData& means,
                                           const std::vector<Eigen::Matrix3Xd>& whole, int threads);

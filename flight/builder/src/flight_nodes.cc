@@ -76,8 +76,8 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
 
 double AutoNodeRateHz(const Flight& flight) {
   // A shared noise of the fraction s lowers a sigma by at most s/2 of itself. Measured
-  // (docs/validation/benchmarks.md): from 5 Hz on by a twentieth of s only, because the trajectory dominates
-  // there.
+  // (docs/validation/benchmarks.md): from 5 Hz on by a twentieth of s only, because the trajectory
+  // dominates there.
   struct Rung {
     double rate_hz, shared;
   };

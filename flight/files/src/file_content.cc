@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsLookedAt = 4000;
-// Of a day at 200 Hz every half minute has some rows.
+// With this limit every half minute of a day at 200 Hz has some rows.
 constexpr std::size_t kMostSpacedRows = 50000;
 constexpr double kMostSigmaM = 1000.0;
 // Limit between GNSS receivers and inertial sensors: the former have at most this rate, the latter

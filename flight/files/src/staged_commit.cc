@@ -78,7 +78,7 @@ std::string JournalText(const fs::path& staging) {
 // A folder between a directory and a file of it may be absent, but no link.
 void ExpectNoLink(const fs::path& staging, const fs::path& folder) {
   if (!Exists(folder) || IsRealDirectory(folder)) return;
-  Refuse(staging, folder.string() + " is no folder");
+  Refuse(staging, folder.string() + " is not a folder");
 }
 
 std::vector<std::string> NamesInJournal(const fs::path& staging) {

@@ -17,8 +17,8 @@ struct AdjustmentErrorCovariance {
   Eigen::MatrixXd covariance;  ///< covariance of all unknowns, the boresight first
 };
 
-/// Implements EstimateCorrelatedErrorCovariance for any adjustment with conditions on trajectory poses.
-/// `epochs_s` returns the epochs of the kept conditions; `sums` returns the sums over these
+/// Implements EstimateCorrelatedErrorCovariance for any adjustment with conditions on trajectory
+/// poses. `epochs_s` returns the epochs of the kept conditions; `sums` returns the sums over these
 /// conditions for the given nodes.
 AdjustmentErrorCovariance EstimateFromNodeSums(
     double redundancy, const TrajectoryErrorOptions& options,

@@ -2,9 +2,9 @@
 
 #include "effects/registry.h"
 
-/// Physics of the effects, one file per effect or per group with a common formula; docs/reference/formats.md
-/// describes each. To add an effect, add a row to EffectTable, a file here, and its name below and
-/// in SimulatedEffects.
+/// Physics of the effects, one file per effect or per group with a common formula;
+/// docs/reference/formats.md describes each. To add an effect, add a row to EffectTable, a file
+/// here, and its name below and in SimulatedEffects.
 namespace dn::effects {
 
 void GyroMisalignment(const EffectInput& input, ActiveEffects* active);

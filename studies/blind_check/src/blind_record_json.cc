@@ -31,7 +31,7 @@ Effect EffectFromJson(const JsonPlace& json) {
   effect.name = WordFromJson(json.At("effect"));
   for (const JsonPlace& value : json.At("value").Elements()) effect.value.push_back(value.Number());
   const EffectSpec* spec = FindEffect(effect.name);
-  if (spec == nullptr) json.At("effect").Fail("is no effect of the table");
+  if (spec == nullptr) json.At("effect").Fail("is not an effect of the table");
   if (spec->components.size() != effect.value.size()) {
     json.At("value").Fail("has not as many numbers as the effect");
   }
@@ -163,7 +163,7 @@ BlindRecord BlindRecordFromJson(const JsonPlace& json) {
   try {
     record.content = ContentOf(json.At("content").Text());
   } catch (const InvalidInput&) {
-    json.At("content").Fail("is no word for what a flight contains");
+    json.At("content").Fail("is not a word for what a flight contains");
   }
   for (const JsonPlace& effect : json.At("effects").Elements()) {
     record.effects.push_back(EffectFromJson(effect));

@@ -29,9 +29,9 @@ class FactorBase {
   /// Computes the residual r and, if J and J[i] are not null, the Jacobian with respect to the
   /// *stored* coordinates of block i, row-major residual_size x stored_size. Only the product of a
   /// Jacobian with the block's PlusJacobian is used, so only this product must be correct. r and J
-  /// are UnwrittenNan on entry. A value that stays UnwrittenNan, or is not finite, ends an adjustment
-  /// with a message that names the factor. An exception also ends it, and reaches the caller as
-  /// InvalidInput.
+  /// are UnwrittenNan on entry. A value that stays UnwrittenNan, or is not finite, ends an
+  /// adjustment with a message that names the factor. An exception also ends it, and reaches the
+  /// caller as InvalidInput.
   virtual bool Evaluate(double const* const* x, double* r, double** J) const = 0;
 
  protected:

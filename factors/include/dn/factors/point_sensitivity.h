@@ -10,7 +10,8 @@
 namespace dn {
 
 /// Jacobians of the whitened residual of a pair with respect to changes of the data of one point.
-/// The columns of any effect, whether the factor has it or not, follow from them (AddEffectJacobians).
+/// The columns of any effect, whether the factor has it or not, follow from them
+/// (AddEffectJacobians).
 struct PointSensitivity {
   Eigen::Matrix3d u_b;        ///< laser vector T_bs u_s, m
   Eigen::Matrix3d turn_b;     ///< rotation added to the rotation vector of the boresight, rad

@@ -83,8 +83,8 @@ struct HighBandOptions {
 /// options.window_s of the ends of a vibration are not used.
 ///
 /// A triad is unusable if more than 5 % of its samples repeat the sample before. It is also
-/// unusable if its resolution is coarser than twice its noise. The resolution is the step of which
-/// all differences are multiples. Throws InvalidConfig as HighBandOptions::Validate and
+/// unusable if its resolution is coarser than twice its noise. All differences of
+/// successive values are multiples of the resolution. Throws InvalidConfig as HighBandOptions::Validate and
 /// Validate(ImuModel) do.
 ///
 /// Source: Daubechies (1988), Comm. Pure Appl. Math. 41, table 1, N = 6.

@@ -39,8 +39,8 @@ class StripWriter {
 struct StripAdditions {
   /// Adds the covariance_c_m2 of every point as columns (text) or extra bytes (LAS).
   bool covariance = false;
-  /// Boresight with which the new points were computed (FRD, rad). A LAS file records it, in place of
-  /// an earlier record. A text file cannot, and always has laser vectors.
+  /// Boresight with which the new points were computed (FRD, rad). A LAS file records it, in place
+  /// of an earlier record. A text file cannot, and always has laser vectors.
   std::optional<Eigen::Vector3d> boresight_rad = {};
 };
 

@@ -40,7 +40,7 @@ struct NormalEarth {
 /// for the Earth rate:
 ///
 ///   w_ib_b = R_bm w + R_bn w_en_n + E(roll, pitch) d/dt (roll, pitch, heading)
-///   f_b    = R_bm (a + 2 w x v + w x (w x (r0 + p)) - attraction(p))
+///   f_b    = R_bm (a + 2 w x v + w x (w x (r0 + p)) - gravitation(p))
 ///
 /// The path has four continuous derivatives and the disturbance has two, so that rates and forces
 /// are smooth. The class is thread-safe.

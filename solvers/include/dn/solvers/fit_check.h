@@ -58,8 +58,8 @@ struct FitCheck {
 /// Tests the residuals of a network at the minimum of its cost:
 ///
 ///   chi2        r^T r has a chi-square distribution with `redundancy` degrees of freedom;
-///   channels    ChannelForms with ComputeFormMoments; the mean is the sum of the redundancy numbers;
-///   rows        Baarda's w of each row.
+///   channels    ChannelForms with ComputeFormMoments; the mean is the sum of the redundancy
+///   numbers; rows        Baarda's w of each row.
 ///
 /// A user's own groups (Network::Tag) are channels like those of a flight. Rows with a robust loss
 /// count with their robust weight, so outliers that the loss downweights do not show in the test.

@@ -51,8 +51,8 @@ struct MarginalsOptions {
 /// A constant block has zero covariance. A block that is not constant but has no active factor has
 /// no covariance: a query for it throws RankDeficient.
 ///
-/// Const methods fill a cache, so an object must be used by one thread at a time. Only SelectedCovariance
-/// and JointSelectedCovariance are safe to call concurrently.
+/// Const methods fill a cache, so an object must be used by one thread at a time. Only
+/// SelectedCovariance and JointSelectedCovariance are safe to call concurrently.
 ///
 /// Source: supernodal form of Takahashi, Fagan and Chen (1973), eq. (7) Z = D^-1 L^-1 + (I - L^T)
 /// Z.
@@ -65,7 +65,7 @@ class Marginals {
   class Columns {
    public:
     /// Returns the rows of block b. For SolveColumns, they are the cross covariances of b with the
-    /// chosen blocks, side by side in the given order. Their size is tangent size of b x sum of the
+    /// chosen blocks, next to each other in the given order. Their size is tangent size of b x sum of the
     /// tangent sizes.
     Eigen::MatrixXd Rows(BlockId b) const;
 

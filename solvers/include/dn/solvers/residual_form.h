@@ -50,7 +50,8 @@ void ForEachSampledResidual(
     const Marginals& marginals,
     const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);
 
-/// Returns the mean and variance of a form from its values for the samples of ForEachSampledResidual.
+/// Returns the mean and variance of a form from its values for the samples of
+/// ForEachSampledResidual.
 FormMoments SampleMoments(const std::vector<double>& energies);
 
 /// Returns the mean and variance of each form r^T S^T S r for r = M e, e ~ N(0, I), M as in

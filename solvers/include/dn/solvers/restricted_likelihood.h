@@ -71,8 +71,8 @@ struct VarianceScore {
 
 /// Returns the score of the components whose diagonals D_k are the columns of `shares` (rows x
 /// components). The result is exact for at most 400 rows. Larger networks estimate the traces from
-/// the samples of ForEachSampledResidual, with one pair of triangular solves per sample and one more
-/// per sample and component. Throws InvalidInput for a wrong number of rows.
+/// the samples of ForEachSampledResidual, with one pair of triangular solves per sample and one
+/// more per sample and component. Throws InvalidInput for a wrong number of rows.
 VarianceScore ScoreVariances(const Marginals& marginals, const Eigen::MatrixXd& shares);
 
 }  // namespace dn

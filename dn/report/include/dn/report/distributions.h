@@ -33,8 +33,8 @@ double NormalQuantile(double p);
 Interval BinomialInterval(double probability, long n, double p);
 
 /// Returns the p-value of the Kolmogorov-Smirnov test that the values are uniform on [0, 1]. Each
-/// value is a rank among `reference_size` other values, so it is known to one step of these. `values`
-/// must not be empty.
+/// value is a rank among `reference_size` other values, so it is known to one step of these.
+/// `values` must not be empty.
 double UniformityPValue(std::vector<double> values, double reference_size);
 
 }  // namespace dn

@@ -21,7 +21,7 @@ struct JsonLimits {
 };
 
 /// Parses a JSON text: the one way in which this project reads JSON. Throws InvalidInput with file,
-/// line and column for what is no JSON, and with file and JSON pointer (RFC 6901) for a text beyond
+/// line and column for text that is not JSON, and with file and JSON pointer (RFC 6901) for a text beyond
 /// `limits` and for a key that an object has twice.
 Json ParseJson(std::string_view text, const std::string& file, const JsonLimits& limits = {});
 
@@ -31,8 +31,9 @@ std::size_t CountValues(const Json& json);
 /// A key as a part of a JSON pointer.
 std::string EscapedKey(const std::string& key);
 
-/// A value in a JSON file whose readers expect a kind and a range. Every function throws InvalidInput
-/// that names the file, the place as a JSON pointer and what was expected. The JSON must outlive it.
+/// A value in a JSON file whose readers expect a kind and a range. Every function throws
+/// InvalidInput that names the file, the place as a JSON pointer and what was expected. The JSON
+/// must outlive it.
 class JsonPlace {
  public:
   /// The root of a file; no file is named where `file` is empty.

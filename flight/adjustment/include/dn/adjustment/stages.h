@@ -53,7 +53,8 @@ class AdjustmentRun {
   void SetGnssLoss(const Loss& loss);
   void SetPairLoss(const Loss& loss);
 
-  /// Swaps in another network; SwapNetworkBack swaps the original in again and returns the other one.
+  /// Swaps in another network; SwapNetworkBack swaps the original in again and returns the other
+  /// one.
   void SwapNetworkIn(std::unique_ptr<FlightNetwork> network);
   std::unique_ptr<FlightNetwork> SwapNetworkBack();
   bool has_swapped_network() const { return set_aside_ != nullptr; }

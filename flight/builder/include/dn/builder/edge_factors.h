@@ -45,8 +45,9 @@ struct GnssEdgeInput {
 
 /// Returns the position factor of an epoch. Without time-correlated errors and GNSS effects it is a
 /// GnssPosition on (q_mb, p_mb, a_b). Otherwise it is a GnssAntenna on (q_mb, p_mb, a_b, v_m), the
-/// values of gnss.processes (CorrelatedGnssError), and the effects in the order of GnssEffectIndices. Throws
-/// InvalidInput with the time of the epoch if its covariance is not finite and positive definite.
+/// values of gnss.processes (CorrelatedGnssError), and the effects in the order of
+/// GnssEffectIndices. Throws InvalidInput with the time of the epoch if its covariance is not
+/// finite and positive definite.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
                                                          const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
@@ -71,7 +72,8 @@ struct PairEndInput {
   MapPose node;
   ImuCorrection biases;
   /// Inertial factor that starts at the node, under the same calibration. The noise of the end is
-  /// then conditioned on the rotation to the next node (IncrementConditioning). Null: no conditioning.
+  /// then conditioned on the rotation to the next node (IncrementConditioning). Null: no
+  /// conditioning.
   std::shared_ptr<const PreintegratedInertial> inertial = {};
   /// Preintegrated increments from the node to the epoch of the end. Null: they are integrated
   /// here.

@@ -68,8 +68,8 @@ struct FlightNetworkOptions {
   double bias_interval_max_s = 5.0;
   double position_floor_m = 1e-6;  ///< added to each inertial increment, see PreintegrationNoise
   /// Called once, before the first pairs are added. It adds unknowns to the network and returns the
-  /// way to make the factor of a pair. Pairs are then built without IncrementConditioning and without the
-  /// effects of `estimate`.
+  /// way to make the factor of a pair. Pairs are then built without IncrementConditioning and
+  /// without the effects of `estimate`.
   std::function<PairModel(FlightNetwork&)> pair_model = {};
   /// for the preintegration of inertial edges and pairs; results do not depend on it
   int threads = 1;
@@ -225,8 +225,9 @@ class FlightNetwork {
     LidarPair pair;
     std::size_t node_i = 0;
     std::size_t node_j = 0;
-    /// Indices of the inertial edges that condition the noise of the ends (IncrementConditioning). Absent: the
-    /// white noise of the partial increments is negligible relative to the noise of the pair.
+    /// Indices of the inertial edges that condition the noise of the ends (IncrementConditioning).
+    /// Absent: the white noise of the partial increments is negligible relative to the noise of the
+    /// pair.
     std::optional<std::size_t> bridge_i = {};
     std::optional<std::size_t> bridge_j = {};
     FactorId id = -1;

@@ -157,9 +157,9 @@ struct PlaneErrorCovariance {
   double range_offset_m2 = 0.0;  ///< variance of the range offset from the same errors
 };
 
-/// Estimates the trajectory covariance as EstimateCorrelatedErrorCovariance does for pairs; the planes are
-/// eliminated together with the boresight. Throws InvalidConfig for bad options, and InvalidInput
-/// if the result belongs to another problem.
+/// Estimates the trajectory covariance as EstimateCorrelatedErrorCovariance does for pairs; the
+/// planes are eliminated together with the boresight. Throws InvalidConfig for bad options, and
+/// InvalidInput if the result belongs to another problem.
 PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& problem,
                                                        const PlaneAdjustment& result,
                                                        const TrajectoryErrorOptions& options);

@@ -32,9 +32,10 @@ struct GnssCorrelation {
 ///   T = y^T K y / E[y^T K y] / (y^T y / E[y^T y])
 ///
 /// of one axis, or its sum over the axes, is approximated by a chi-square variable. Its moments are
-/// those over samples of the residuals of the network if its model is true (ForEachSampledResidual).
-/// The samples include the part of an error that the trajectory absorbs. White noise larger than
-/// stated does not cause an alarm, because the statistic is divided by y^T y.
+/// those over samples of the residuals of the network if its model is true
+/// (ForEachSampledResidual). The samples include the part of an error that the trajectory absorbs.
+/// White noise larger than stated does not cause an alarm, because the statistic is divided by y^T
+/// y.
 ///
 /// `process` is the process whose expected energies y^T K y at all tau are nearest to those of the
 /// data. It is a proposal, accurate to a factor of two in sigma^2 / tau.

@@ -46,19 +46,19 @@ AxesFit FitAxes(const BodyDirections& directions);
 struct AxesMistake {
   enum class Sensor { kGyro, kAccel, kBoth };
   Sensor sensor = Sensor::kGyro;
-  /// Matrix from the declared to the right data: one sign, an exchange of two axes, or all signs; for
-  /// gyros also 180/pi or pi/180 (rad/s declared as deg/s, and the reverse).
+  /// Matrix from the declared to the right data: one sign, an exchange of two axes, or all signs;
+  /// for gyros also 180/pi or pi/180 (rad/s declared as deg/s, and the reverse).
   Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
 };
 
-/// Returns the one mistake without which specific force, rates and GNSS positions agree, in the axes
-/// of the file. Returns nullopt if they agree as they are, or if no mistake or several mistakes of
-/// this kind explain the misfit. Reflections of both sensors together count as one, all signs.
-/// Mirrored positions (latitude and longitude exchanged) look like specific forces with all signs
-/// reversed.
+/// Returns the one mistake without which specific force, rates and GNSS positions agree, in the
+/// axes of the file. Returns nullopt if they agree as they are, or if no mistake or several
+/// mistakes of this kind explain the misfit. Reflections of both sensors together count as one, all
+/// signs. Mirrored positions (latitude and longitude exchanged) look like specific forces with all
+/// signs reversed.
 ///
-/// The misfit is the acceleration that the best attitude leaves in in-flight alignments over windows
-/// of half a minute. The cost is about two dozen times that of FindBodyDirections.
+/// The misfit is the acceleration that the best attitude leaves in in-flight alignments over
+/// windows of half a minute. The cost is about two dozen times that of FindBodyDirections.
 std::optional<AxesMistake> FindAxesMistake(const Flight& flight, int threads = 1);
 
 /// Comparison of the turns of the course with those of the gyros, with the GNSS tags shifted by a
