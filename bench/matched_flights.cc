@@ -59,7 +59,7 @@ apps::ProcessUsage Run(const Options& options, const std::vector<std::string>& a
   return apps::RunProgram(command, log, {options.timeout_s, nullptr});
 }
 
-Vector3d VectorOf(const Json& json) {
+Vector3d LaserVector(const Json& json) {
   return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
 }
 
@@ -116,11 +116,11 @@ struct MethodErrors {
 void AddResult(const fs::path& result_file, const Truth& truth, MethodErrors* errors) {
   const Json result = ReadJson(result_file);
   const Json& boresight = result["boresight"];
-  const Vector3d found_rad = VectorOf(boresight["angles_deg"]) * kRadPerDeg;
+  const Vector3d found_rad = LaserVector(boresight["angles_deg"]) * kRadPerDeg;
   const Vector3d error_deg =
       Log(Exp(found_rad) * Exp(truth.mounting.boresight_rad).conjugate()) / kRadPerDeg;
   Eigen::Matrix3d C;
-  for (int r = 0; r < 3; ++r) C.row(r) = VectorOf(boresight["covariance_deg2"][r]).transpose();
+  for (int r = 0; r < 3; ++r) C.row(r) = LaserVector(boresight["covariance_deg2"][r]).transpose();
   ++errors->results;
   errors->nees.push_back(error_deg.dot(C.ldlt().solve(error_deg)) / 3.0);
   errors->squares_deg2 += error_deg.cwiseAbs2();
@@ -171,7 +171,7 @@ void RunFlight(const Options& options, int seed, Totals* totals) {
 
 Json ToJson(const Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-Json JsonOf(const Totals& totals, int flights) {
+Json LoadJson(const Totals& totals, int flights) {
   Json json = {{"flights", flights}, {"gsd_m", totals.gsd_m}, {"cpu_s", totals.cpu_s}};
   for (const auto& [strips, e] : totals.pairs) {
     json["pairs"][strips] = {{"pairs_of_a_flight", e.n / flights},
@@ -242,10 +242,10 @@ int Main(int argc, char** argv) {
     Totals totals;
     for (int k = 0; k < options.flights; ++k) {
       RunFlight(options, options.first_seed + k, &totals);
-      const Json json = JsonOf(totals, k + 1);
+      const Json json = LoadJson(totals, k + 1);
       if (!options.json.empty()) std::ofstream(options.json) << FormatJson(json);
     }
-    Print(JsonOf(totals, options.flights));
+    Print(LoadJson(totals, options.flights));
   } catch (const std::exception& error) {
     fmt::print(stderr, "matched_flights: {}\n", error.what());
     return 1;

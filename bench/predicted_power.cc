@@ -57,8 +57,8 @@ std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed)
 
 /// Returns the power for an effect of this size, averaged over the plans, because the turbulence of
 /// the flight is unknown in advance.
-double PowerOf(const std::string& effect, double size,
-               const std::vector<std::map<std::string, double>>& plans) {
+double ComputePower(const std::string& effect, double size,
+                    const std::vector<std::map<std::string, double>>& plans) {
   double power = 0.0;
   for (const auto& plan : plans) {
     const double off = size / plan.at(effect) * kNonCentrality - kQuantile;
@@ -112,7 +112,7 @@ void Run(int flights, const std::vector<std::string>& scenarios) {
     for (const auto& [effect, detectable] : plans.front()) {
       for (std::size_t k = 0; k < std::size(kTimes); ++k) {
         const double size = kTimes[k] * detectable;
-        const Count count{flights * PowerOf(effect, size, plans), flights,
+        const Count count{flights * ComputePower(effect, size, plans), flights,
                           Found(scenario, effect, size, flights, seed)};
         Print(fmt::format("{} {}", name, effect), count);
         all[k].predicted += count.predicted;

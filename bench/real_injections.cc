@@ -125,7 +125,7 @@ struct Estimate {
 };
 
 /// Returns the estimate of the effect as an unknown, in its unit.
-Estimate EstimateOf(const Flight& flight, const Error& error, const EffectTimes& times) {
+Estimate FindEstimate(const Flight& flight, const Error& error, const EffectTimes& times) {
   GapCause cause;
   cause.effect = error.effect;
   cause.times = times;
@@ -152,7 +152,7 @@ const DetectionLimit& Limit(const GapDiagnosis& diagnosis, const std::string& ef
 void PrintEstimates(const Flight& flight, const Flight& with, const Error& error,
                     const EffectTimes& times, double size) {
   try {
-    const Estimate a = EstimateOf(with, error, times), b = EstimateOf(flight, error, times);
+    const Estimate a = FindEstimate(with, error, times), b = FindEstimate(flight, error, times);
     const double difference = a.value - b.value;
     fmt::print("    estimate {:.4g} +- {:.2g} with it, {:.4g} without: {:.4g}, {:.2f} sigma off\n",
                a.value, a.sigma, b.value, difference, (difference - size) / a.sigma);

@@ -58,7 +58,7 @@ const std::vector<Goal>& Goals() {
   return goals;
 }
 
-const char* PresetOf(const std::string& grade) { return grade == "uav" ? "apx15" : "airins"; }
+const char* SizePreset(const std::string& grade) { return grade == "uav" ? "apx15" : "airins"; }
 
 std::string ReadText(const fs::path& file) {
   std::ostringstream text;
@@ -99,7 +99,7 @@ fs::path Simulated(const Options& options, const FlightSize& size, const std::st
   fs::path flight = options.work / fmt::format("{}-{}-seed{}", grade, size.name, options.seed);
   if (fs::exists(flight / "flight.yaml")) return flight;
   const fs::path scenario = options.work / fmt::format("{}-{}.yaml", grade, size.name);
-  WriteText(scenario, ScenarioText(size, PresetOf(grade)));
+  WriteText(scenario, ScenarioText(size, SizePreset(grade)));
   fmt::print(stderr, "simulating {}\n", flight.string());
   const fs::path log = options.work / "simulate.log";
   const apps::ProcessUsage usage =
@@ -182,7 +182,7 @@ Json Compared(const Json& automatic, const Json& reference) {
           {"within_1_percent", sigma_change <= kLargestSigmaChange}};
 }
 
-Json GoalOf(const std::string& size, const std::string& grade, const Json& row) {
+Json TimeGoal(const std::string& size, const std::string& grade, const Json& row) {
   const auto goal = std::find_if(Goals().begin(), Goals().end(),
                                  [&](const Goal& g) { return g.size == size && g.grade == grade; });
   if (goal == Goals().end()) return nullptr;
@@ -200,7 +200,7 @@ Json RunCase(const Options& options, const FlightSize& size, const std::string& 
   const fs::path flight = Simulated(options, size, grade);
   Json entry{{"size", size.name}, {"grade", grade}, {"pairs", size.pairs}};
   entry["auto"] = Calibrated(options, flight);
-  entry["goal"] = GoalOf(size.name, grade, entry["auto"]);
+  entry["goal"] = TimeGoal(size.name, grade, entry["auto"]);
   if (!options.rate_check) return entry;
   Json& reference = entry["reference_rate"];
   reference = Calibrated(options, WithNodeRate(flight, options.reference_rate_hz));
@@ -288,7 +288,8 @@ int Main(int argc, char** argv) {
   app.add_flag("!--no-rate-check", options.rate_check, "Only the default node rate");
   app.add_option("--threads", options.threads, "Threads of dn calibrate; 0: its default");
   app.add_option("--seed", options.seed, "Of the simulation")->capture_default_str();
-  app.add_option("--timeout", options.timeout_s, "Time limit of one program run, s")->capture_default_str();
+  app.add_option("--timeout", options.timeout_s, "Time limit of one program run, s")
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     Run(options);

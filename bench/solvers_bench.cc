@@ -54,7 +54,7 @@ std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated, 
 }
 
 /// Returns the network of a size, which is created once.
-FlightNetwork& NetworkOf(const std::string& size, double rate_hz = kNodeRate_hz) {
+FlightNetwork& BuildNetwork(const std::string& size, double rate_hz = kNodeRate_hz) {
   struct Entry {
     std::unique_ptr<SimulatedFlight> flight;  // the network refers to it
     std::unique_ptr<FlightNetwork> network;
@@ -78,7 +78,7 @@ std::vector<BlockId> NodeBlockIds(const FlightNetwork& network) {
 }
 
 void BM_Marginals(benchmark::State& state, const std::string& size, int threads) {
-  const FlightNetwork& network = NetworkOf(size);
+  const FlightNetwork& network = BuildNetwork(size);
   for (auto _ : state) {
     Marginals marginals(network.net, {.threads = threads});
     marginals.ComputeSelectedInverse();
@@ -109,7 +109,7 @@ BENCHMARK_CAPTURE(BM_Marginals, 60min_two_threads, "60min", 2)
 /// Solves from the truth to the adjusted values, with undamped steps and one analysis, or with all
 /// steps by Ceres.
 void BM_Solve(benchmark::State& state, const std::string& size, bool undamped) {
-  const Network& truth = NetworkOf(size, kSparseRate_hz).net;
+  const Network& truth = BuildNetwork(size, kSparseRate_hz).net;
   for (auto _ : state) {
     state.PauseTiming();
     Network net(truth);
@@ -146,7 +146,7 @@ std::vector<Eigen::MatrixXd> ByMarginals(const Network& net, const std::vector<B
 }
 
 void BM_WantedByMarginals(benchmark::State& state, bool all_nodes) {
-  const FlightNetwork& network = NetworkOf("5min");
+  const FlightNetwork& network = BuildNetwork("5min");
   const std::vector<BlockId> blocks = Wanted(network, all_nodes);
   for (auto _ : state) benchmark::DoNotOptimize(ByMarginals(network.net, blocks).size());
 }
@@ -154,7 +154,7 @@ BENCHMARK_CAPTURE(BM_WantedByMarginals, boresight, false)->Unit(benchmark::kMill
 BENCHMARK_CAPTURE(BM_WantedByMarginals, all_nodes, true)->Unit(benchmark::kMillisecond);
 
 void BM_WantedByCeres(benchmark::State& state, bool all_nodes) {
-  FlightNetwork& network = NetworkOf("5min");
+  FlightNetwork& network = BuildNetwork("5min");
   const std::vector<BlockId> blocks = Wanted(network, all_nodes);
   for (auto _ : state) {
     const CeresCovariance ceres = ComputeByCeres(network.net, blocks, kCeresLimit_s);

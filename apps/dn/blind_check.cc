@@ -60,7 +60,7 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
                              const RecordReader<BlindRecord>& reader,
                              const std::vector<std::uint64_t>& numbers, Run* run) {
   BlindSuite suite{options.seed, options.scenarios};
-  if (!options.only.empty()) suite.only = ContentOf(options.only);
+  if (!options.only.empty()) suite.only = RecordContent(options.only);
   const BlindRunOptions how{options.common.out, GapOptions(options.gap_options),
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
@@ -88,7 +88,7 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
                           {"version", DN_VERSION},
                           {"program", ProgramHash()}};
   const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
-                      ParseShard(options.shard), RecordFolder::HashOf(made_from)};
+                      ParseShard(options.shard), RecordFolder::MadeFromHash(made_from)};
   for (const char* name : {"flights", "truth", "runs"}) ExpectRealFolder(options.common.out / name);
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<BlindRecord> records =

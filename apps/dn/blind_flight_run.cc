@@ -88,7 +88,7 @@ std::optional<BlindSignature> ContentSignature(const BlindFlight& flight) {
   nothing.effects.clear();
   simulate.own = {};
   try {
-    const Signature signature = SignatureOf(with, Simulate(nothing, simulate).flight, options);
+    const Signature signature = ComputeSignature(with, Simulate(nothing, simulate).flight, options);
     return BlindSignature{signature.lambda, signature.lambda_left, signature.nearest};
   } catch (const InvalidInput&) {
     return std::nullopt;

@@ -291,7 +291,7 @@ void PrintVerdicts(const Flight& flight, bool strips, Json* json) {
 void PrintHints(const Flight& flight, const DataAgreement& agreement, Json* json) {
   (*json)["hints"] = Json::array();
   for (const DataHint& hint : DataHints(flight, agreement)) {
-    fmt::print("look at         {}\n", TextOf(hint));
+    fmt::print("look at         {}\n", HintText(hint));
     (*json)["hints"].push_back({{"text", hint.text}, {"key", hint.key}, {"value", hint.value}});
   }
 }
@@ -311,7 +311,7 @@ void SummariseStrips(const std::vector<std::filesystem::path>& files, const Flig
                reader->has_vectors() ? "" : "no ", reader->has_time() ? "" : ", no GPS time",
                note.empty() ? "" : "; " + note);
     if (config.lidar) {
-      const VectorOrigin origin = FindVectorOrigin(*reader, GeoreferencingOf(config), file);
+      const VectorOrigin origin = FindVectorOrigin(*reader, StripsGeoreferencing(config), file);
       const std::string warning = VectorWarning(origin, name);
       if (!warning.empty()) fmt::print("look at         {}\n", warning);
     }

@@ -214,11 +214,11 @@ std::string AxesName(const Eigen::Matrix3d& R_imu_to_body) {
   return name;
 }
 
-std::string TextOf(const DataHint& hint) {
+std::string HintText(const DataHint& hint) {
   return hint.key.empty() ? hint.text : hint.text + "; set " + hint.key + ": " + hint.value;
 }
 
-std::string TextOf(const AxesMistake& mistake) {
+std::string HintText(const AxesMistake& mistake) {
   using Sensor = AxesMistake::Sensor;
   if (mistake.sensor == Sensor::kBoth) {
     return "the axes of imu.file are left-handed: one has the wrong sign, or two are exchanged, in "

@@ -29,10 +29,10 @@ struct DataHint {
 std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agreement);
 
 /// Formats the hint on one line, with the key that corrects it.
-std::string TextOf(const DataHint& hint);
+std::string HintText(const DataHint& hint);
 
 /// Describes a mistake in the axes of imu.file and its remedy.
-std::string TextOf(const AxesMistake& mistake);
+std::string HintText(const AxesMistake& mistake);
 
 /// Returns the axes of the data as three letters, e.g. RFU: x right, y forward, z up.
 /// R_imu_to_body: signed permutation from the data's axes to forward-right-down.

@@ -206,7 +206,7 @@ void FlightDraft::Settle() {
                            hint.key == "imu.R_imu_to_body";
       changed = changed || settled;
       if (settled) found_.push_back(hint.text);
-      if (!settled) axes_notes_.push_back(TextOf(hint));
+      if (!settled) axes_notes_.push_back(HintText(hint));
       if (settled && hint.key != "imu.R_imu_to_body") break;
     }
     axes_known_ = agreement.directions && agreement.directions->course_b.has_value();

@@ -119,7 +119,7 @@ void ReportReading(const FlightRun& flight_run, Run* run) {
 std::vector<std::string> FormatHints(const Flight& flight, int threads) {
   std::vector<std::string> texts;
   for (const DataHint& hint : DataHints(flight, FindDataAgreement(flight, threads))) {
-    texts.push_back(TextOf(hint));
+    texts.push_back(HintText(hint));
   }
   return texts;
 }
@@ -132,7 +132,7 @@ Adjustment AdjustNamingCauses(const Flight& flight, const AdjustOptions& options
     return Adjust(flight, options);
   } catch (const SensorsContradict& e) {
     const auto axes = FindAxesMistake(flight, options.threads);
-    if (axes) throw InvalidInput(e.finding() + TextOf(*axes), {flight.config.imu->file});
+    if (axes) throw InvalidInput(e.finding() + HintText(*axes), {flight.config.imu->file});
     if (hints.empty()) throw;
     throw InvalidInput(e.finding() + fmt::format("{}", fmt::join(hints, "; also ")), e.where());
   }

@@ -183,7 +183,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
     options.made_by =
         std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
   }
-  options.made_with = GeoreferencingOf(config);
+  options.made_with = StripsGeoreferencing(config);
   options.mounting = config.lidar->mounting;
   if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
   options.time_span_s = config.time_span_s;

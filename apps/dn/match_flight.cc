@@ -117,7 +117,7 @@ MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajector
   ExpectMatchable(config);
   run.ReadsStrips();
   const std::vector<fs::path> files = RequireStripFiles(config.folder);
-  const StripGeoreferencing made_with = GeoreferencingOf(config);
+  const StripGeoreferencing made_with = StripsGeoreferencing(config);
   MatchedFlight matched;
   matched.origin = CheckStrips(files, config.strips_crs, made_with, run);
   FlightPath path = FindFlightPath(&config, trajectory, run);

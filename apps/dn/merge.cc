@@ -54,7 +54,7 @@ void ExpectSame(const Shards& shards, const Series& series, const Json& made_fro
 
 void Add(const Series& shard, const fs::path& folder, Shards* shards) {
   for (const std::uint64_t number : shard.Numbers()) {
-    const fs::path file = RecordFolder::FileOf(folder, number);
+    const fs::path file = RecordFolder::RecordFile(folder, number);
     if (!RecordFolder::IsThere(file)) throw InvalidInput("the record is missing", {file.string()});
     if (!shards->records.emplace(number, file).second) {
       throw InvalidConfig(fmt::format("flight {} is in two of the folders: {} and {}", number,
@@ -77,7 +77,7 @@ void ExpectComplete(const Shards& shards) {
 }
 
 void ExpectOneRun(const Series& series, const Json& made_from, const std::string& folder) {
-  if (RecordFolder::HashOf(made_from) == series.made_from) return;
+  if (RecordFolder::MadeFromHash(made_from) == series.made_from) return;
   throw InvalidInput("report.json and made_from.json are not of one run; run the command again",
                      {ReportFile(folder).string()});
 }
@@ -123,7 +123,7 @@ std::vector<Record> Records(const Shards& shards, const fs::path& folder,
 }
 
 /// The list of inputs in the report of a shard.
-Json InputsOf(const fs::path& folder) {
+Json ShardInputs(const fs::path& folder) {
   const fs::path file = ReportFile(folder);
   const Json report = ReadJsonFile(file);
   const JsonPlace place(report, file.string());
@@ -137,7 +137,7 @@ void Merge(const MergeArguments& options, Run& run) {
   run.progress.Stage("merging", fmt::format("{} flights", shards.series.flights));
   const fs::path folder = options.common.out / RecordFolderName(command);
   run.report["series"] = SeriesToJson(shards.series);
-  run.report["inputs"] = InputsOf(options.folders.front());
+  run.report["inputs"] = ShardInputs(options.folders.front());
   if (command == "monte-carlo") {
     const auto reader = FlightRecordReader(made_from);
     AddMonteCarloResults(shards.made_from, Records(shards, folder, reader), &run);

@@ -103,7 +103,7 @@ void MonteCarlo(const MonteCarloArguments& options, Run& run) {
                           {"program", ProgramHash()}};
   const Series series{"monte-carlo", options.first_seed,
                       static_cast<std::uint64_t>(options.flights), ParseShard(options.shard),
-                      RecordFolder::HashOf(made_from)};
+                      RecordFolder::MadeFromHash(made_from)};
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<FlightRecord> records =
       Fly(options, scenario, folder, FlightRecordReader(made_from), series.Numbers(), &run);

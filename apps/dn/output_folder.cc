@@ -30,7 +30,7 @@ bool Same(const fs::path& a, const fs::path& b) {
 /// Device and inode: what two names of one file share.
 using FileId = std::pair<dev_t, ino_t>;
 
-std::optional<FileId> IdOf(const fs::path& file) {
+std::optional<FileId> FindFileId(const fs::path& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return std::nullopt;
   return FileId(status.st_dev, status.st_ino);
@@ -39,7 +39,7 @@ std::optional<FileId> IdOf(const fs::path& file) {
 std::set<FileId> FileIds(const fs::path& folder, const std::vector<std::string>& names) {
   std::set<FileId> ids;
   for (const std::string& name : names) {
-    if (const auto id = IdOf(folder / name)) ids.insert(*id);
+    if (const auto id = FindFileId(folder / name)) ids.insert(*id);
   }
   return ids;
 }
@@ -154,7 +154,7 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool writes_fligh
   const std::vector<std::string> earlier = EarlierResults(out);
   const std::set<FileId> results = FileIds(out, earlier);
   for (const fs::path& input : inputs.All()) {
-    const auto id = IdOf(input);
+    const auto id = FindFileId(input);
     if (!id || !results.contains(*id)) continue;
     throw InvalidConfig(fmt::format(
         "--out {} holds an earlier result, which would be removed, and the input {} is part of "

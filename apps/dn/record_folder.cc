@@ -19,7 +19,7 @@ constexpr const char* kHashKey = "made_from";
 }  // namespace
 
 RecordFolder::RecordFolder(fs::path folder, const Json& made_from)
-    : folder_(std::move(folder)), hash_(HashOf(made_from)) {
+    : folder_(std::move(folder)), hash_(MadeFromHash(made_from)) {
   ExpectRealFolder(folder_);
   const fs::path key = MadeFromFile(folder_);
   const std::string text = FormatJson(made_from);
@@ -36,10 +36,10 @@ RecordFolder::RecordFolder(fs::path folder, const Json& made_from)
 
 void RecordFolder::Write(std::uint64_t number, Json record) const {
   record[kHashKey] = hash_;
-  WriteFileAtomically(FileOf(folder_, number), record.dump() + "\n");
+  WriteFileAtomically(RecordFile(folder_, number), record.dump() + "\n");
 }
 
-fs::path RecordFolder::FileOf(const fs::path& folder, std::uint64_t number) {
+fs::path RecordFolder::RecordFile(const fs::path& folder, std::uint64_t number) {
   return folder / fmt::format("{:06}.json", number);
 }
 
@@ -59,7 +59,9 @@ Json RecordFolder::MadeFrom(const fs::path& folder) {
   return made_from;
 }
 
-std::string RecordFolder::HashOf(const Json& made_from) { return Sha256Hex(FormatJson(made_from)); }
+std::string RecordFolder::MadeFromHash(const Json& made_from) {
+  return Sha256Hex(FormatJson(made_from));
+}
 
 void RecordFolder::Refuse(const InvalidInput& error) {
   throw InvalidInput(std::string("not the record of this flight: ") + error.what() +

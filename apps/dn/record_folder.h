@@ -29,7 +29,7 @@ class RecordFolder {
   /// Reads a record; nullopt if the file does not exist. Throws like ReadFile.
   template <class Record>
   std::optional<Record> Read(std::uint64_t number, const RecordReader<Record>& reader) const {
-    const std::filesystem::path file = FileOf(folder_, number);
+    const std::filesystem::path file = RecordFile(folder_, number);
     if (!IsThere(file)) return std::nullopt;
     return ReadFile(file, number, hash_, reader);
   }
@@ -51,7 +51,8 @@ class RecordFolder {
     }
   }
 
-  static std::filesystem::path FileOf(const std::filesystem::path& folder, std::uint64_t number);
+  static std::filesystem::path RecordFile(const std::filesystem::path& folder,
+                                          std::uint64_t number);
   static bool IsThere(const std::filesystem::path& file);
 
   static std::filesystem::path MadeFromFile(const std::filesystem::path& folder);
@@ -59,7 +60,7 @@ class RecordFolder {
   /// if the folder does not state it.
   static Json MadeFrom(const std::filesystem::path& folder);
   /// The hash that the records made from it hold.
-  static std::string HashOf(const Json& made_from);
+  static std::string MadeFromHash(const Json& made_from);
 
  private:
   [[noreturn]] static void Refuse(const InvalidInput& error);

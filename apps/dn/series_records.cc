@@ -47,8 +47,8 @@ std::vector<std::vector<std::string>> LabelsIn(const JsonPlace& made_from) {
 }
 
 /// The labels of a design, from 1; the last key changes fastest.
-std::vector<std::string> LabelsOfDesign(const std::vector<std::vector<std::string>>& labels,
-                                        std::uint64_t number) {
+std::vector<std::string> DesignLabels(const std::vector<std::vector<std::string>>& labels,
+                                      std::uint64_t number) {
   std::vector<std::string> chosen;
   std::uint64_t rest = number - 1;
   for (auto key = labels.rbegin(); key != labels.rend(); ++key) {
@@ -99,7 +99,7 @@ RecordReader<SweepRecord> SweepRecordReader(const JsonPlace& made_from) {
   return [labels = std::move(labels)](const JsonPlace& json, std::uint64_t number) {
     ExpectNumber(json, "number", number);
     SweepRecord record = SweepRecordFromJson(json);
-    if (record.labels != LabelsOfDesign(labels, number)) {
+    if (record.labels != DesignLabels(labels, number)) {
       json.At("labels").Fail("are not those of this design");
     }
     return record;

@@ -74,7 +74,7 @@ void RunSweep(const SweepOptions& options, Run& run) {
                           {"version", DN_VERSION},
                           {"program", ProgramHash()}};
   const Series series{"study", 1, sweep.size(), ParseShard(options.shard),
-                      RecordFolder::HashOf(made_from)};
+                      RecordFolder::MadeFromHash(made_from)};
   const RecordFolder folder(run.options().out / RecordFolderName(series.command), made_from);
   const std::vector<SweepRecord> records =
       StudyAll(sweep, folder, SweepRecordReader(made_from), series.Numbers(), &run);

@@ -234,8 +234,8 @@ class Diagnosis {
     for (const Eigen::Index k : test.LargestFirst()) {
       const LocationStatistic& at = before_.statistics[static_cast<std::size_t>(k)];
       if (out_.fingerprint.size() < kMaxStatistics) {
-        out_.fingerprint.push_back({NameOf(at), before_.appearance.locations[k], test.mean[k],
-                                    test.sigma[k], std::nullopt, std::nullopt});
+        out_.fingerprint.push_back({StatisticName(at), before_.appearance.locations[k],
+                                    test.mean[k], test.sigma[k], std::nullopt, std::nullopt});
       }
       if (out_.where.size() >= kMaxPlaces || test.p_adjusted[k] > options_.alpha) continue;
       out_.where.push_back({at.sensor, at.quantity,

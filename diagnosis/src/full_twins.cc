@@ -143,7 +143,7 @@ NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
     const std::string& where = statistics[k].location;
     const bool of_strips = where.rfind("strips ", 0) == 0 && where.find(',') == std::string::npos;
     if (where.empty() || of_strips) {
-      named[NameOf(statistics[k])] = values[static_cast<Eigen::Index>(k)];
+      named[StatisticName(statistics[k])] = values[static_cast<Eigen::Index>(k)];
     }
   }
   return named;

@@ -16,7 +16,7 @@
 
 namespace dn::internal {
 
-/// Statistics of one flight by the name that NameOf returns.
+/// Statistics of one flight by the name that StatisticName returns.
 using NamedStatistics = std::map<std::string, double>;
 
 /// Returns the statistics that a flight and its replay share: of the whole flight, and of pairs of

@@ -32,7 +32,7 @@ std::vector<FoldDensity::Further> LikeliestFurther(const ExtendedFit& explained)
   for (const ScreenedEffect& effect : explained.screen->Effects()) {
     if (further.size() >= kMostFurther) break;
     const Candidate& candidate = library.candidates[effect.candidate];
-    further.push_back({ModelOf(candidate, library), candidate.typical});
+    further.push_back({CandidateModel(candidate, library), candidate.typical});
   }
   return further;
 }

@@ -123,7 +123,7 @@ class NamingTrials {
     Eigen::VectorXd signature(n);
     for (std::size_t a = 0; a < rivals_.size(); ++a) {
       signature.segment(first_[a], first_[a + 1] - first_[a]) =
-          SignatureOf(FindCandidate(rivals_[a]), screen_.score());
+          CandidateSignature(FindCandidate(rivals_[a]), screen_.score());
       for (std::size_t b = 0; b < rivals_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
             CandidateInformation(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]),
@@ -182,7 +182,7 @@ DetectionLimit Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily
   const Eigen::MatrixXd A = CandidateInformation(candidate, screen.score());
   const Eigen::VectorXd direction = BestDirection(candidate, A);
   const double lambda = direction.dot(A * direction);
-  const Eigen::VectorXd of_components = SignatureOf(candidate, screen.score());
+  const Eigen::VectorXd of_components = CandidateSignature(candidate, screen.score());
   const double signature = of_components.dot(direction.cwiseAbs2());
   DetectionLimit hidden;
   hidden.effect = candidate.name;

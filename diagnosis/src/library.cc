@@ -316,7 +316,7 @@ Eigen::MatrixXd CellRange::Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) cons
   return sum;
 }
 
-EffectModel ModelOf(const Candidate& candidate, const Library& library) {
+EffectModel CandidateModel(const Candidate& candidate, const Library& library) {
   EffectModel model = library.blocks[candidate.block];
   if (!candidate.cells) return model;
   for (EffectPart& part : model) part.L = candidate.cells->Rows(part.L.transpose()).transpose();
@@ -348,7 +348,7 @@ Eigen::MatrixXd CandidateInformation(const Candidate& a, const Candidate& b,
       CandidateRows(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
 }
 
-Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score) {
+Eigen::VectorXd CandidateSignature(const Candidate& candidate, const JointScore& score) {
   return CandidateRows(candidate, score, score.signature2);
 }
 

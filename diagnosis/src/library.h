@@ -70,7 +70,7 @@ void AddSettling(const std::string& name, std::size_t block, const std::vector<d
                  const Eigen::VectorXd& typical, Library* library);
 
 /// Returns the columns of a candidate.
-EffectModel ModelOf(const Candidate& candidate, const Library& library);
+EffectModel CandidateModel(const Candidate& candidate, const Library& library);
 
 /// Returns the part of the joint score s that belongs to a candidate.
 Eigen::VectorXd CandidateScore(const Candidate& candidate, const JointScore& score,
@@ -81,7 +81,7 @@ Eigen::MatrixXd CandidateInformation(const Candidate& candidate, const JointScor
 Eigen::MatrixXd CandidateInformation(const Candidate& a, const Candidate& b,
                                      const JointScore& score);
 /// Returns the diagonal of L^T L of a candidate's columns L.
-Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score);
+Eigen::VectorXd CandidateSignature(const Candidate& candidate, const JointScore& score);
 /// Returns the shift of the watched unknowns per unit of each component.
 Eigen::MatrixXd CandidateShift(const Candidate& candidate, const JointScore& score);
 

@@ -40,7 +40,7 @@ std::string QuantityName(const std::string& channel) {
 
 }  // namespace
 
-std::string NameOf(const LocationStatistic& statistic) {
+std::string StatisticName(const LocationStatistic& statistic) {
   const std::string place = statistic.location.empty() ? "" : ", " + statistic.location;
   return statistic.sensor + " " + statistic.quantity + place;
 }

@@ -20,7 +20,7 @@ struct LocationStatistic {
 };
 
 /// Returns a name such as "lidar p2p east, mean, strips 1-2".
-std::string NameOf(const LocationStatistic& statistic);
+std::string StatisticName(const LocationStatistic& statistic);
 
 /// Statistics of the residuals of a flight, place by place. Each residual is divided by the root of
 /// its redundancy number. Residuals that the unknowns absorb completely are not used.

@@ -102,7 +102,7 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
     const double evidence = SizeAveragedEvidence(A, candidate.typical).LogEvidence(s);
     if (evidence <= best) continue;
     best = evidence;
-    const ScoreTest test = TestScore(s, A, SignatureOf(candidate, score));
+    const ScoreTest test = TestScore(s, A, CandidateSignature(candidate, score));
     effect->estimate = test.estimate;
     effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     if (score.shift.rows() == 3)

@@ -65,7 +65,7 @@ double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s)
 ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
   const Candidate& of = library_.candidates[candidate];
   return TestScore(CandidateScore(of, score_, s), CandidateInformation(of, score_),
-                   SignatureOf(of, score_));
+                   CandidateSignature(of, score_));
 }
 
 std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
@@ -106,7 +106,7 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
                                        static_cast<double>(family.past - family.first));
   }
   if (!candidate.tau_s) effect.statistic = test.statistic;
-  const Eigen::VectorXd signature = SignatureOf(candidate, score_);
+  const Eigen::VectorXd signature = CandidateSignature(candidate, score_);
   const Eigen::VectorXd weight = candidate.typical.cwiseAbs2();
   effect.absorbed = 1.0 - CandidateInformation(candidate, score_).diagonal().dot(weight) /
                               std::max(1e-300, signature.dot(weight));

@@ -22,7 +22,7 @@ Adjustment AdjustWithAllData(const Flight& flight, const GapOptions& options) {
 
 }  // namespace
 
-Signature SignatureOf(const Flight& with, const Flight& without, const GapOptions& options) {
+Signature ComputeSignature(const Flight& with, const Flight& without, const GapOptions& options) {
   options.Validate();
   const double cost_without = AdjustWithAllData(without, options).cost;
   const Adjustment adjusted = AdjustWithAllData(with, options);

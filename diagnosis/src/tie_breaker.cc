@@ -197,8 +197,8 @@ double Separation(const Screen& screen, const GapCause& named, const std::string
   const Eigen::VectorXd size = named.estimate / of_named->per_si;
   const double alone = size.dot(CandidateInformation(*of_named, score) * size);
   const Eigen::VectorXd shared = CandidateInformation(*of_rival, *of_named, score) * size;
-  const ScoreTest taken_up =
-      TestScore(shared, CandidateInformation(*of_rival, score), SignatureOf(*of_rival, score));
+  const ScoreTest taken_up = TestScore(shared, CandidateInformation(*of_rival, score),
+                                       CandidateSignature(*of_rival, score));
   return alone - taken_up.statistic;
 }
 

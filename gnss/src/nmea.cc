@@ -53,7 +53,7 @@ int TwoDigits(std::string_view field, std::size_t at) {
 }
 
 /// Parses "hhmmss.ss" and returns the seconds of the day.
-double TimeOfDay(std::string_view field, const FileLocation& where) {
+double DaySeconds(std::string_view field, const FileLocation& where) {
   const int hour = TwoDigits(field, 0), minute = TwoDigits(field, 2);
   if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || field.size() < 6) {
     throw InvalidInput("the time of an NMEA sentence is not hhmmss", where);
@@ -99,13 +99,13 @@ std::optional<Stamp> ParseStamp(const std::vector<std::string_view>& fields,
     const int short_year = TwoDigits(fields[9], 4);
     const int year = short_year + (short_year < 80 ? 2000 : 1900);
     return Stamp{MakeDay(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
-                 TimeOfDay(fields[1], where)};
+                 DaySeconds(fields[1], where)};
   }
   if (IsSentence(fields, "ZDA", 5) && !fields[4].empty()) {
     const auto number = [&](std::size_t i) {
       return static_cast<int>(std::clamp(ParseNumber(fields[i], where), -1.0, 9999.0));
     };
-    return Stamp{MakeDay(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
+    return Stamp{MakeDay(number(4), number(3), number(2), where), DaySeconds(fields[1], where)};
   }
   return std::nullopt;
 }
@@ -123,7 +123,7 @@ bool HasFix(const std::vector<std::string_view>& gga) {
 
 Fix ParseFix(const std::vector<std::string_view>& gga, const FileLocation& where) {
   Fix fix{};
-  fix.time_of_day_s = TimeOfDay(gga[1], where);
+  fix.time_of_day_s = DaySeconds(gga[1], where);
   const double separation_m = gga[11].empty() ? 0.0 : ParseNumber(gga[11], where);
   fix.antenna = {Degrees(gga[2], gga[3], where) * kRadPerDeg,
                  Degrees(gga[4], gga[5], where) * kRadPerDeg,

@@ -354,7 +354,7 @@ std::uint8_t ReturnsAfter(const LasFile& las, const char* record) {
   return static_cast<std::uint8_t>(std::max(0, of - number));
 }
 
-std::uint8_t ClassOf(const LasFile& las, const char* record) {
+std::uint8_t PointClass(const LasFile& las, const char* record) {
   constexpr std::uint8_t kWithoutFlags = 0x1f;
   if (las.format >= 6) return static_cast<std::uint8_t>(record[las::kClassAt]);
   return static_cast<std::uint8_t>(record[las::kLegacyClassAt]) & kWithoutFlags;

@@ -87,7 +87,7 @@ struct LasFile {
 std::uint8_t ReturnsAfter(const LasFile& las, const char* record);
 
 /// Returns the class of a record, without its flags.
-std::uint8_t ClassOf(const LasFile& las, const char* record);
+std::uint8_t PointClass(const LasFile& las, const char* record);
 
 /// Reads and checks everything but the points. Throws InvalidInput as OpenStrip does.
 LasFile ReadLasFile(const std::filesystem::path& file);

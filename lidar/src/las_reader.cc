@@ -20,7 +20,7 @@ constexpr double kAdjustedOriginS = 1e9;
 constexpr double kMostAdjustedS = 2.8e9;
 constexpr std::uint64_t kChunkBytes = std::uint64_t{8} << 20;
 
-std::string NameOfPoint(std::uint64_t index) { return "point " + std::to_string(index + 1); }
+std::string DescribePoint(std::uint64_t index) { return "point " + std::to_string(index + 1); }
 
 }  // namespace
 
@@ -50,8 +50,8 @@ void LasReader::ReadRecords(std::uint64_t count, StripCloud* chunk) {
   chunk->records.resize(count * las_.record_bytes);
   in_.read(chunk->records.data(), static_cast<std::streamsize>(chunk->records.size()));
   if (static_cast<std::size_t>(in_.gcount()) != chunk->records.size()) {
-    throw InvalidInput("file ends at " + NameOfPoint(read_) + " of " + std::to_string(las_.points),
-                       Where());
+    throw InvalidInput(
+        "file ends at " + DescribePoint(read_) + " of " + std::to_string(las_.points), Where());
   }
   for (std::uint64_t i = 0; i < count; ++i, ++read_) {
     Decode(read_, chunk->records.data() + i * las_.record_bytes, chunk);
@@ -67,7 +67,7 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
   chunk->intensity.push_back(LoadLittleEndian<std::uint16_t>(record + las::kIntensityAt));
   chunk->source.push_back(LoadLittleEndian<std::uint16_t>(record + las_.source_at));
   chunk->returns_after.push_back(ReturnsAfter(las_, record));
-  chunk->classification.push_back(ClassOf(las_, record));
+  chunk->classification.push_back(PointClass(las_, record));
   if (las_.time_at) chunk->t_s.push_back(Time(index, record));
   if (!has_vectors()) return;
   const Eigen::Vector3d u_s(BlockValue(*vector_[0], record), BlockValue(*vector_[1], record),
@@ -75,7 +75,7 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
   try {
     CheckLaserVector(u_s, Where());
   } catch (const InvalidInput& e) {
-    throw InvalidInput(NameOfPoint(index) + ": " + e.what(), Where());
+    throw InvalidInput(DescribePoint(index) + ": " + e.what(), Where());
   }
   chunk->u_s.push_back(u_s);
 }
@@ -83,10 +83,10 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
 double LasReader::Time(std::uint64_t index, const char* record) {
   const auto tag_s = LoadLittleEndian<double>(record + *las_.time_at);
   if (!std::isfinite(tag_s)) {
-    throw InvalidInput("GPS time of " + NameOfPoint(index) + " is not a finite number", Where());
+    throw InvalidInput("GPS time of " + DescribePoint(index) + " is not a finite number", Where());
   }
   const auto error = [&](const std::string& why) {
-    return InvalidInput("GPS time " + FormatDouble(tag_s) + " of " + NameOfPoint(index) + why,
+    return InvalidInput("GPS time " + FormatDouble(tag_s) + " of " + DescribePoint(index) + why,
                         Where());
   };
   if (las_.adjusted_time && std::abs(tag_s) > kMostAdjustedS) {
@@ -99,7 +99,7 @@ double LasReader::Time(std::uint64_t index, const char* record) {
     time_origin_s_ = las_.adjusted_time ? week * kWeekS - kAdjustedOriginS : 0.0;
   }
   const double t_s = tag_s - *time_origin_s_;
-  if (IsSecondsOfWeek(t_s)) return t_s;
+  if (IsWeekSeconds(t_s)) return t_s;
   if (las_.adjusted_time) {
     throw error(" is more than a week from that of the first point, " +
                 FormatDouble(*time_origin_s_) +

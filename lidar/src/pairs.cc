@@ -41,7 +41,7 @@ const Eigen::Matrix3d& CheckedCovariance(const Eigen::Matrix3d& M_m2, const File
 }
 
 void CheckTime(double t_s, const FileLocation& where) {
-  if (!IsSecondsOfWeek(t_s)) CheckSecondsOfWeek(t_s, where);
+  if (!IsWeekSeconds(t_s)) CheckWeekSeconds(t_s, where);
 }
 
 LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLocation& where) {

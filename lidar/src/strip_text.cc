@@ -33,7 +33,7 @@ bool StripTextReader::Next(StripCloud* chunk) {
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* row = table.row(i);
     where.line = table.lines[i];
-    CheckSecondsOfWeek(row[0], where);
+    CheckWeekSeconds(row[0], where);
     chunk->t_s.push_back(row[0]);
     chunk->p_c.push_back(Coordinates(row, where));
     chunk->u_s.emplace_back(row[4], row[5], row[6]);

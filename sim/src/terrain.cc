@@ -160,7 +160,7 @@ class Terrain::Objects {
   template <class Object, class Find>
   double CellTop(const Vector2d& en_m, double cell_m, const Find& find, Occupied<Object>* last) {
     if (cell_m <= 0.0) return kNone;
-    const Vector2i cell = CellOf(en_m, cell_m);
+    const Vector2i cell = CellAt(en_m, cell_m);
     if (last->cell != cell) {
       last->cell = cell;
       last->object = find(cell);

@@ -208,8 +208,8 @@ void TerrainCaster::BoundGround(const Vector2d& centre_en_m, Tile* tile) const {
 template <class Visit>
 void ForCells(const Vector2d& centre_en_m, double cell_m, const Visit& visit) {
   const Vector2d half = Vector2d::Constant(0.5 * kTile_m);
-  const Vector2i first = CellOf(centre_en_m - half, cell_m);
-  const Vector2i last = CellOf(centre_en_m + half, cell_m);
+  const Vector2i first = CellAt(centre_en_m - half, cell_m);
+  const Vector2i last = CellAt(centre_en_m + half, cell_m);
   for (int x = first.x(); x <= last.x(); ++x) {
     for (int y = first.y(); y <= last.y(); ++y) visit(Vector2i(x, y));
   }
@@ -281,7 +281,7 @@ std::optional<RayHit> TerrainCaster::Cast(const Vector3d& origin_m, const Vector
   if (!(direction.z() < 0.0)) throw InvalidInput("a laser ray must point downwards");
   const Ray ray{origin_m, direction};
   double from_m = std::max(0.0, ray.RangeAtHeight(terrain_.highest_m()));
-  Vector2i cell = CellOf(ray.Place(from_m), kTile_m);
+  Vector2i cell = CellAt(ray.Place(from_m), kTile_m);
   Vector2i step;
   // Ranges at which the ray leaves the tile to the east or west, and to the north or south.
   Vector2d exit_m, spacing_m;

@@ -29,7 +29,7 @@ class CellNumbers {
 };
 
 /// Returns the grid cell that contains a point.
-inline Eigen::Vector2i CellOf(const Eigen::Vector2d& en_m, double cell_m) {
+inline Eigen::Vector2i CellAt(const Eigen::Vector2d& en_m, double cell_m) {
   return {static_cast<int>(std::floor(en_m.x() / cell_m)),
           static_cast<int>(std::floor(en_m.y() / cell_m))};
 }

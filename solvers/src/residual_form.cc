@@ -19,9 +19,9 @@ constexpr Eigen::Index kManyRows = 1 << 20;
 constexpr unsigned kSeed = 20240501;
 
 /// Builds forms in which every row has its own label.
-class SumsOfSquares {
+class SquareSums {
  public:
-  explicit SumsOfSquares(Eigen::Index rows) : rows_(rows) {}
+  explicit SquareSums(Eigen::Index rows) : rows_(rows) {}
 
   void Add(const std::string& name, const std::string& channel, int row) {
     const auto [at, is_new] = index_.try_emplace(name, forms_.size());
@@ -81,7 +81,7 @@ class FewRows {
 /// Calls use(R) for the samples of ForEachSampledResidual in batches; the rows of R are the
 /// samples.
 template <class Use>
-void ForRowsOfSamples(const Marginals& marginals, const Use& use) {
+void ForSampleRows(const Marginals& marginals, const Use& use) {
   std::mt19937_64 generator(kSeed);
   std::normal_distribution<double> normal;
   const Eigen::Index rows = marginals.linearized().rows();
@@ -102,7 +102,7 @@ std::vector<FormMoments> SampledMoments(const Marginals& marginals,
                                         const std::vector<ResidualForm>& forms) {
   std::vector<FewRows> of_forms(forms.begin(), forms.end());
   std::vector<std::vector<double>> energies(forms.size());
-  ForRowsOfSamples(marginals, [&](const Eigen::MatrixXd& R) {
+  ForSampleRows(marginals, [&](const Eigen::MatrixXd& R) {
     for (std::size_t i = 0; i < forms.size(); ++i) {
       const Eigen::VectorXd some = of_forms[i].Energies(R);
       energies[i].insert(energies[i].end(), some.begin(), some.end());
@@ -129,7 +129,7 @@ Eigen::MatrixXd ResidualForm::SumByLabel(const Eigen::MatrixXd& X) const {
 }
 
 std::vector<ResidualForm> ChannelForms(const LinearizedNetwork& linearized) {
-  SumsOfSquares sums(linearized.rows());
+  SquareSums sums(linearized.rows());
   for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
     const FactorGroup& group = linearized.group(rows.factor);
     if (!group.measured()) continue;
@@ -164,7 +164,7 @@ double FormMoments::LowerTail(double energy) const {
 void ForEachSampledResidual(
     const Marginals& marginals,
     const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use) {
-  ForRowsOfSamples(marginals, [&](const Eigen::MatrixXd& R) {
+  ForSampleRows(marginals, [&](const Eigen::MatrixXd& R) {
     for (const auto residual : R.rowwise()) use(Eigen::VectorXd(residual.transpose()));
   });
 }

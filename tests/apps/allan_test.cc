@@ -30,7 +30,7 @@ TEST(CliAllan, FindsTheWhiteNoiseAndNothingElse) {
   folder.Write("IMU.txt", StaticRecord(1200));
   const ProgramRun run = Allan(folder);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(ContentOf(folder.path() / "out/allan.json"));
+  const Json json = Json::parse(FileContent(folder.path() / "out/allan.json"));
   EXPECT_EQ(json["schema"], "dn.allan/1");
   EXPECT_NEAR(json["gyro"]["model"]["white"]["value"], kArw_deg_sqrt_h, 0.02 * kArw_deg_sqrt_h);
   EXPECT_EQ(json["gyro"]["model"]["white"]["unit"], "deg/sqrt(h)");
@@ -49,7 +49,7 @@ TEST(CliAllan, ItsNoiseGoesIntoAFlightAsItIs) {
   const TempFolder folder;
   folder.Write("IMU.txt", StaticRecord(600));
   ASSERT_EQ(Allan(folder).exit_code, 0);
-  const std::string text = "name: pasted\n" + ContentOf(folder.path() / "out/noise.yaml");
+  const std::string text = "name: pasted\n" + FileContent(folder.path() / "out/noise.yaml");
   const FlightConfig config = ParseFlightConfig(text, folder.path());
   ASSERT_TRUE(config.imu);
   EXPECT_NEAR(config.imu->model.accel.white * 60.0, kVrw_m_s_sqrt_h, 0.03 * kVrw_m_s_sqrt_h);
@@ -104,7 +104,7 @@ TEST(CliAllan, MeasuredSensor) {
   folder.Write("IMU.txt", text);
   const ProgramRun run = Allan(folder, "100");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json model = Json::parse(ContentOf(folder.path() / "out/allan.json"))["gyro"]["model"];
+  const Json model = Json::parse(FileContent(folder.path() / "out/allan.json"))["gyro"]["model"];
   // Independent results for this record: about 2.5 deg/sqrt(h) and a floor of 25 to 30 deg/h.
   EXPECT_NEAR(model["white"]["value"], 2.5, 0.25);
   EXPECT_NEAR(model["floor"]["deviation"], 27.0, 6.0);

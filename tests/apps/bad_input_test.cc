@@ -28,7 +28,7 @@ void ExpectFailure(const ProgramRun& run, const DamagedFlight& flight, int exit_
   EXPECT_THAT(message, HasSubstr(what));
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
   EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
-  const Json error = Json::parse(ContentOf(flight.out() / "report.json"))["error"];
+  const Json error = Json::parse(FileContent(flight.out() / "report.json"))["error"];
   EXPECT_EQ(error["kind"], kind);
   EXPECT_EQ(error["message"].get<std::string>() + "\n", message);
 }
@@ -155,7 +155,7 @@ TEST(CliBadInput, PairsThatCannotBelongToThisFlight) {
     EXPECT_EQ(run.exit_code, 1) << run.err;
     return;
   }
-  const Json result = Json::parse(ContentOf(flight.out() / "result.json"));
+  const Json result = Json::parse(FileContent(flight.out() / "result.json"));
   EXPECT_NE(result["assessment"]["verdict"], "calibrated");
   EXPECT_EQ(run.exit_code, result["assessment"]["verdict"] == "not_observable" ? 1 : 0);
 }
@@ -238,7 +238,7 @@ TEST(CliBadInput, ALostImuRowAtAPairIsBridged) {
   flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"), [&](int k) { return k == lost; }));
   const ProgramRun run = flight.Run("calibrate");
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const Json counts = Json::parse(ContentOf(flight.out() / "report.json"))["counts"];
+  const Json counts = Json::parse(FileContent(flight.out() / "report.json"))["counts"];
   EXPECT_EQ(counts["imu holes bridged"], 1);
   EXPECT_EQ(counts["pairs in IMU gaps"], 0);
 }
@@ -250,7 +250,7 @@ TEST(CliBadInput, PairsInAHoleOfTheImuDataAreLeftOutAndCounted) {
                                        [&](int k) { return k > lost - 10 && k < lost + 10; }));
   const ProgramRun run = flight.Run("calibrate");
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const Json counts = Json::parse(ContentOf(flight.out() / "report.json"))["counts"];
+  const Json counts = Json::parse(FileContent(flight.out() / "report.json"))["counts"];
   EXPECT_EQ(counts["imu gaps"], 1);
   EXPECT_GE(counts["pairs in IMU gaps"], 1);
 }
@@ -259,7 +259,7 @@ TEST(CliBadInput, PairsListedManyTimesDoNotShrinkTheSigma) {
   const auto sigma_deg = [](const DamagedFlight& flight) {
     const ProgramRun run = flight.Run("calibrate");
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    return Json::parse(ContentOf(flight.out() / "result.json"))["boresight"]["sigma_deg"];
+    return Json::parse(FileContent(flight.out() / "result.json"))["boresight"]["sigma_deg"];
   };
   const DamagedFlight once, often;
   for (const std::string& name : NamesIn(often.path() / "lidar")) {
@@ -271,7 +271,7 @@ TEST(CliBadInput, PairsListedManyTimesDoNotShrinkTheSigma) {
   yaml.replace(at, yaml.find('\n', at) - at, "p2p: [lidar/*.txt, ./lidar/*.txt]");
   often.Write("flight.yaml", yaml);
   EXPECT_EQ(sigma_deg(often), sigma_deg(once));
-  const Json counts = Json::parse(ContentOf(often.out() / "report.json"))["counts"];
+  const Json counts = Json::parse(FileContent(often.out() / "report.json"))["counts"];
   EXPECT_EQ(counts["repeated pairs"], 11 * counts["pairs"].get<long>());
 }
 

@@ -58,19 +58,19 @@ TEST_F(BlindCheck, TheTruthLiesApartFromTheFlight) {
   EXPECT_FALSE(HoldsAnywhere(out / "flights", "truth.yaml"));
   EXPECT_FALSE(HoldsAnywhere(out / "flights", "reference.out"));
   EXPECT_FALSE(HoldsAnywhere(out / "runs", "truth.yaml"));
-  EXPECT_THAT(ContentOf(out / "truth" / "001.yaml"), HasSubstr("boresight_deg"));
+  EXPECT_THAT(FileContent(out / "truth" / "001.yaml"), HasSubstr("boresight_deg"));
   EXPECT_FALSE(fs::exists(out / "flights" / "002")) << "of the other shard";
 }
 
 TEST_F(BlindCheck, EveryFlightIsDiagnosedAndCalibrated) {
   ASSERT_EQ(one_.exit_code, 0) << one_.err;
-  const Json record = Json::parse(ContentOf(Path("one") / "records" / "000001.json"));
+  const Json record = Json::parse(FileContent(Path("one") / "records" / "000001.json"));
   EXPECT_FALSE(record.at("diagnosis").at("result").is_null()) << record.at("diagnosis");
   EXPECT_FALSE(record.at("calibrated").at("result").is_null()) << record.at("calibrated");
   EXPECT_FALSE(record.at("adapted").at("result").is_null()) << record.at("adapted");
   EXPECT_GT(record.at("diagnosis").at("time_s").get<double>(), 0.0);
-  EXPECT_EQ(ContentOf(Path("one") / "table.txt"), one_.out);
-  EXPECT_THAT(ContentOf(Path("one") / "flights.csv"), HasSubstr("\n1,"));
+  EXPECT_EQ(FileContent(Path("one") / "table.txt"), one_.out);
+  EXPECT_THAT(FileContent(Path("one") / "flights.csv"), HasSubstr("\n1,"));
 }
 
 TEST_F(BlindCheck, MergedShardsAreTheBytesOfOneRun) {
@@ -86,9 +86,9 @@ TEST_F(BlindCheck, MergedShardsAreTheBytesOfOneRun) {
   EXPECT_FALSE(fs::exists(whole / "flights")) << "flown again";
   for (const char* name :
        {"blind_check.json", "table.txt", "flights.csv", "config.resolved.yaml"}) {
-    EXPECT_EQ(ContentOf(merged / name), ContentOf(whole / name)) << name;
+    EXPECT_EQ(FileContent(merged / name), FileContent(whole / name)) << name;
   }
-  EXPECT_EQ(Json::parse(ContentOf(merged / "blind_check.json")).at("flights"), 2);
+  EXPECT_EQ(Json::parse(FileContent(merged / "blind_check.json")).at("flights"), 2);
 }
 
 TEST_F(BlindCheck, ARecordIsTheOneThatItsNameSays) {

@@ -75,7 +75,7 @@ Seen Show(const fs::path& page, int width) {
   const std::size_t begin = out.rfind("SEEN{") + 4;
   const std::size_t end = out.find("END", begin);
   return {Json::parse(out.substr(begin, end - begin), nullptr, false),
-          ContentOf(folder.path() / "console.txt")};
+          FileContent(folder.path() / "console.txt")};
 }
 
 /// Pages of all commands, made once.
@@ -92,7 +92,7 @@ class Browser : public ::testing::TestWithParam<int> {
     Make("monte_carlo", {"monte-carlo", scenario, "--flights", "2"});
     Make("blind",
          {"blind-check", "--flights", "1", "--scenarios", scenario, "--gap-options", "screen"});
-    folder_->Write("short.yaml", ContentOf(ShortScenario()));
+    folder_->Write("short.yaml", FileContent(ShortScenario()));
     folder_->Write("sweep.yaml", "base: short.yaml\nsweep:\n  pairs.count: [200, 400]\n");
     Make("sweep", {"study", "--sweep", In("sweep.yaml")});
     folder_->Write("IMU.txt", StaticRecord(600));

@@ -17,7 +17,7 @@ inline std::filesystem::path ChangedCopy(const std::filesystem::path& folder,
                                          const std::function<void(Json*)>& change) {
   std::filesystem::remove_all(copy);
   std::filesystem::copy(folder, copy, std::filesystem::copy_options::recursive);
-  Json json = Json::parse(ContentOf(copy / file));
+  Json json = Json::parse(FileContent(copy / file));
   change(&json);
   std::ofstream(copy / file) << json.dump() << "\n";
   return copy;

@@ -18,7 +18,7 @@ std::string Offered(const std::filesystem::path& folder, const std::string& word
                            "; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(last) +
                            "; _dn; echo \"${COMPREPLY[@]}\"' > " + (folder / "offered").string();
   EXPECT_EQ(std::system(line.c_str()), 0);
-  return ContentOf(folder / "offered");
+  return FileContent(folder / "offered");
 }
 
 TEST(Completion, OfCommandsAndOptions) {

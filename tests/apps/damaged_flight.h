@@ -18,7 +18,7 @@ class DamagedFlight {
   std::filesystem::path path() const { return folder_.path() / "flight"; }
   std::filesystem::path out() const { return folder_.path() / "out"; }
 
-  std::string Read(const std::string& name) const { return ContentOf(path() / name); }
+  std::string Read(const std::string& name) const { return FileContent(path() / name); }
   void Write(const std::string& name, const std::string& content) const {
     folder_.Write("flight/" + name, content);
   }

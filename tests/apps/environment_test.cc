@@ -31,11 +31,11 @@ ProgramOptions CalibrateInto(const TempFolder& folder) {
 
 void ExpectResult(const ProgramOptions& options, const TempFolder& folder, int exit_code) {
   EXPECT_EQ(RunProgram(options).exit_code, exit_code);
-  const Json result = Json::parse(ContentOf(folder.path() / "r/result.json"));
+  const Json result = Json::parse(FileContent(folder.path() / "r/result.json"));
   EXPECT_EQ(result["schema"], "dn.result/1");
-  EXPECT_TRUE(Json::accept(ContentOf(folder.path() / "r/report.json")));
+  EXPECT_TRUE(Json::accept(FileContent(folder.path() / "r/report.json")));
   for (const std::string& name : NamesIn(folder.path() / "r")) {
-    EXPECT_EQ(ContentOf(folder.path() / "r" / name).find("dn calibrate: "), std::string::npos);
+    EXPECT_EQ(FileContent(folder.path() / "r" / name).find("dn calibrate: "), std::string::npos);
   }
 }
 
@@ -108,7 +108,7 @@ TEST(CliEnvironment, ThreadsThatCannotBeStartedAreDoneWithout) {
     if (run.exit_code == 127) GTEST_SKIP() << "nobody cannot run " << DN_PROGRAM;
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(run.err, HasSubstr("of 4 threads can be started"));
-    EXPECT_TRUE(Json::accept(ContentOf(folder.path() / "r/result.json")));
+    EXPECT_TRUE(Json::accept(FileContent(folder.path() / "r/result.json")));
   }
 }
 
@@ -124,7 +124,7 @@ TEST(CliEnvironment, FileSizeLimitIsAnErrorOfWriting) {
 
 TEST(CliEnvironment, SizesThatNoMemoryHoldsAreRefused) {
   const TempFolder folder;
-  const std::string scenario = ContentOf(ShortScenario());
+  const std::string scenario = FileContent(ShortScenario());
   const auto replaced = [&](const std::string& key, const std::string& value) {
     const std::size_t at = scenario.find(key + ":");
     EXPECT_NE(at, std::string::npos) << key;

@@ -18,14 +18,14 @@ TEST(CliGap, WritesItsFiles) {
   EXPECT_THAT(NamesIn(GapResult()), IsSupersetOf({"config.resolved.yaml", "flight.adapted.yaml",
                                                   "gap.json", "report.html", "report.json",
                                                   "summary.txt", "trajectory.out", "twin.yaml"}));
-  EXPECT_THAT(ContentOf(GapResult() / "summary.txt"), StartsWith("flight short: "));
-  const Json report = Json::parse(ContentOf(GapResult() / "report.json"));
+  EXPECT_THAT(FileContent(GapResult() / "summary.txt"), StartsWith("flight short: "));
+  const Json report = Json::parse(FileContent(GapResult() / "report.json"));
   EXPECT_EQ(report["seed"], 5);
   EXPECT_TRUE(report["error"].is_null());
 }
 
 TEST(CliGap, ScreensEveryEffectThatItMay) {
-  const Json gap = Json::parse(ContentOf(GapResult() / "gap.json"));
+  const Json gap = Json::parse(FileContent(GapResult() / "gap.json"));
   EXPECT_EQ(gap["schema"], "dn.gap/1");
   EXPECT_EQ(gap["flight"], "short");
   std::vector<std::string> screened;
@@ -45,13 +45,13 @@ TEST(CliGap, TheAdaptedFlightCalibratesFromWhereItLiesAndFromTheFlightFolder) {
   EXPECT_EQ(there.exit_code, expected) << there.err;
   fs::copy(ShortFlight(), folder.path() / "copy", fs::copy_options::recursive);
   fs::remove(folder.path() / "copy/flight.yaml");
-  folder.Write("copy/flight.yaml", WithoutLines(ContentOf(adapted), "unexplained:"));
+  folder.Write("copy/flight.yaml", WithoutLines(FileContent(adapted), "unexplained:"));
   EXPECT_EQ(ReadFlightConfig(folder.path() / "copy").folder, folder.path() / "copy");
   const ProgramRun copied = RunProgram({"calibrate", (folder.path() / "copy").string(), "--out",
                                         (folder.path() / "result").string()});
   EXPECT_EQ(copied.exit_code, 0) << copied.err;
   const auto angles = [&](const char* result) {
-    const Json json = Json::parse(ContentOf(folder.path() / result / "result.json"));
+    const Json json = Json::parse(FileContent(folder.path() / result / "result.json"));
     return json["boresight"]["angles_deg"];
   };
   EXPECT_EQ(angles("there"), angles("result"));

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 std::string SmoothedTrajectory() { return (SmoothResult() / "trajectory.out").string(); }
 
-Json JsonOf(const fs::path& file) { return Json::parse(ContentOf(file)); }
+Json LoadJson(const fs::path& file) { return Json::parse(FileContent(file)); }
 
 /// Removes the section imu from flight.yaml.
 void RemoveImuSection(const DamagedFlight& flight) {
@@ -70,7 +70,7 @@ TEST(CliGaussHelmert, TakesATrajectoryInTheConventionsOfOthers) {
   const ProgramRun sbet =
       flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
   ASSERT_EQ(sbet.exit_code, 0) << sbet.err;
-  const Json expected = JsonOf(flight.out() / "result.json")["boresight"]["angles_deg"];
+  const Json expected = LoadJson(flight.out() / "result.json")["boresight"]["angles_deg"];
 
   flight.Write("grid.txt", InUtm(ReadTrajectory(SmoothedTrajectory()), "utm:32n"));
   fs::copy_file(SmoothResult() / "trajectory_covariance.txt",
@@ -80,7 +80,7 @@ TEST(CliGaussHelmert, TakesATrajectoryInTheConventionsOfOthers) {
       {"--method", "gh", "--set", "trajectory.file=grid.txt", "--set", "trajectory.crs=utm:32n",
        "--set", "trajectory.attitude=roll_pitch_heading_deg", "--set", "trajectory.north=grid"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json angles_deg = JsonOf(flight.out() / "result.json")["boresight"]["angles_deg"];
+  const Json angles_deg = LoadJson(flight.out() / "result.json")["boresight"]["angles_deg"];
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(angles_deg[i].get<double>(), expected[i].get<double>(), 1e-6);
   }
@@ -94,7 +94,7 @@ TEST(CliGaussHelmert, ResultOnTheSmoothedTrajectory) {
   EXPECT_THAT(NamesIn(flight.out()),
               ElementsAre("config.resolved.yaml", "pair_residuals.txt", "report.html",
                           "report.json", "result.json", "swaths.json"));
-  const Json result = JsonOf(flight.out() / "result.json");
+  const Json result = LoadJson(flight.out() / "result.json");
   EXPECT_EQ(result["schema"], "dn.result/1");
   EXPECT_EQ(result["method"], "gh");
   ExpectNear(result["boresight"], 4.5);
@@ -115,7 +115,7 @@ TEST(CliGaussHelmert, ResultOnTheSmoothedTrajectory) {
   EXPECT_FALSE(result["assessment"]["reasons"].empty());
   EXPECT_THAT(run.out, HasSubstr("by the Gauss-Helmert adjustment"));
   EXPECT_THAT(run.out, HasSubstr("times those of the normal matrix"));
-  const Json report = JsonOf(flight.out() / "report.json");
+  const Json report = LoadJson(flight.out() / "report.json");
   EXPECT_EQ(report["gauss_helmert"]["trajectory_sigma"]["source"], "trajectory_covariance.txt");
   EXPECT_GT(report["gauss_helmert"]["within_flight_scatter"]["nodes"], 1);
   EXPECT_NEAR(report["gauss_helmert"]["within_flight_scatter"]["attitude_ratio"], 1.0, 0.5);
@@ -130,13 +130,13 @@ TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
               IsSupersetOf({"comparison.json", "report.json", "result_dn.json", "result_gh.json",
                             "trajectory.out", "trajectory_sigma.txt"}));
   EXPECT_THAT(NamesIn(flight.out()), Not(Contains("result.json")));
-  const Json dn = JsonOf(flight.out() / "result_dn.json");
-  const Json gh = JsonOf(flight.out() / "result_gh.json");
+  const Json dn = LoadJson(flight.out() / "result_dn.json");
+  const Json gh = LoadJson(flight.out() / "result_gh.json");
   EXPECT_EQ(dn["method"], "dn");
   EXPECT_EQ(gh["method"], "gh");
   EXPECT_EQ(dn["boresight"],
-            JsonOf(CalibrateResult() / "result.json")["boresight"]);  // same as --method dn alone
-  const Json comparison = JsonOf(flight.out() / "comparison.json");
+            LoadJson(CalibrateResult() / "result.json")["boresight"]);  // same as --method dn alone
+  const Json comparison = LoadJson(flight.out() / "comparison.json");
   EXPECT_EQ(comparison["methods"]["dn"]["angles_deg"], dn["boresight"]["angles_deg"]);
   EXPECT_EQ(comparison["methods"]["gh"]["sigma_deg"], gh["boresight"]["sigma_deg"]);
   EXPECT_TRUE(comparison["methods"].at("planes").is_null());
@@ -173,10 +173,10 @@ TEST(CliGaussHelmert, IsTheDefaultWithoutInertialData) {
   fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
   const ProgramRun run = flight.Run("calibrate");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json result = JsonOf(flight.out() / "result.json");
+  const Json result = LoadJson(flight.out() / "result.json");
   EXPECT_EQ(result["method"], "gh");
   // Without a trajectory_sigma.txt next to the trajectory, the sigmas of flight.yaml are used.
-  EXPECT_THAT(JsonOf(flight.out() / "report.json")["gauss_helmert"]["trajectory_sigma"]["source"]
+  EXPECT_THAT(LoadJson(flight.out() / "report.json")["gauss_helmert"]["trajectory_sigma"]["source"]
                   .get<std::string>(),
               HasSubstr("flight.yaml"));
 }
@@ -196,7 +196,7 @@ TEST(CliGaussHelmert, RotationModelsAndRobustLosses) {
         flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("small_angle"));
-    ExpectNear(JsonOf(flight.out() / "result.json")["boresight"], 6.0);
+    ExpectNear(LoadJson(flight.out() / "result.json")["boresight"], 6.0);
   }
 }
 
@@ -253,7 +253,7 @@ TEST(CliGaussHelmert, APairOutsideTheTrajectoryIsNamed) {
 
 TEST(CliGaussHelmert, ADamagedTrajectoryIsNamed) {
   const DamagedFlight flight;
-  const std::string sbet = ContentOf(SmoothedTrajectory());
+  const std::string sbet = FileContent(SmoothedTrajectory());
   flight.Write("trajectory.out", sbet.substr(0, 13600 + 17));
   ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory.out");
   flight.Write("trajectory.out", sbet.substr(0, 13600));
@@ -276,7 +276,7 @@ TEST(CliGaussHelmert, ADamagedCovarianceIsNamed) {
   fs::copy_file(smoothed / "trajectory_sigma.txt", flight.path() / "trajectory_sigma.txt");
   flight.Write("trajectory_covariance.txt", "1, 2, 3\n");
   ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory_covariance.txt:1");
-  const std::string covariance = ContentOf(smoothed / "trajectory_covariance.txt");
+  const std::string covariance = FileContent(smoothed / "trajectory_covariance.txt");
   flight.Write("trajectory_covariance.txt",
                covariance.substr(0, covariance.rfind('\n', covariance.size() - 2) + 1));
   ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "rows are missing");
@@ -305,7 +305,7 @@ TEST(CliGaussHelmert, CheckSaysWhetherItIsPossible) {
   fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
   const ProgramRun after = RunProgram({"check", flight.path().string()});
   EXPECT_THAT(after.out, HasSubstr("dn calibrate --method gh  possible"));
-  const std::string sbet = ContentOf(SmoothedTrajectory());
+  const std::string sbet = FileContent(SmoothedTrajectory());
   flight.Write("trajectory.out", sbet.substr(0, 13600));
   const ProgramRun part = RunProgram({"check", flight.path().string()});
   EXPECT_THAT(part.out,
@@ -325,8 +325,8 @@ TEST(CliGaussHelmert, LiborCheck) {
   const ProgramRun run =
       RunProgram({"calibrate", folder.string(), "--out", (out.path() / "r").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json libor = JsonOf(folder / "libor.json");
-  const Json result = JsonOf(out.path() / "r/result.json");
+  const Json libor = LoadJson(folder / "libor.json");
+  const Json result = LoadJson(out.path() / "r/result.json");
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(result["boresight"]["angles_deg"][i].get<double>(),
                 libor["boresight_deg"][i].get<double>(), 2e-5);

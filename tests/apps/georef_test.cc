@@ -92,7 +92,7 @@ TEST(CliGeoref, TheBoresightPutsThePointsWhereTheyAre) {
               ElementsAre("config.resolved.yaml", "georef.json", "report.html", "report.json",
                           "strips", "swaths.json"));
   ExpectPageMatchesFiles(flight.out(), 14);
-  const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
+  const Json json = Json::parse(FileContent(flight.out() / "georef.json"));
   EXPECT_EQ(json["schema"], "dn.georef/1");
   EXPECT_NEAR(json["boresight_deg"][2], 0.35, 1e-12);
   EXPECT_EQ(json["boresight_before_deg"][2], 0.0);
@@ -100,7 +100,7 @@ TEST(CliGeoref, TheBoresightPutsThePointsWhereTheyAre) {
   EXPECT_EQ(json["strips"][1]["laser_vectors"], "trajectory");
   EXPECT_EQ(json["strips"][1]["kept"], kPoints);
   EXPECT_GT(json["strips"][1]["shift_rms_m"], 0.5);
-  const Json report = Json::parse(ContentOf(flight.out() / "report.json"));
+  const Json report = Json::parse(FileContent(flight.out() / "report.json"));
   EXPECT_EQ(report["counts"]["points kept"], 2 * kPoints);
   EXPECT_THAT(run.err, HasSubstr("dn georef: strip 2.las\n"));
 }
@@ -110,7 +110,7 @@ TEST(CliGeoref, AResultBringsItsBoresightAndItsCovariance) {
   const std::string result = (CalibrateResult() / "result.json").string();
   const ProgramRun run = flight.Run("georef", {"--result", result, "--covariance"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
+  const Json json = Json::parse(FileContent(flight.out() / "georef.json"));
   EXPECT_NEAR(json["boresight_deg"][0], 0.2, 0.05);
   EXPECT_EQ(json["covariance"]["boresight"], result);
   const StripCloud points = ReadAll(flight.out() / "strips/1.txt");
@@ -123,7 +123,7 @@ TEST(CliGeoref, AResultBringsItsBoresightAndItsCovariance) {
 
 /// The result of the short flight with another verdict.
 std::string ResultWithVerdict(const DamagedFlight& flight, const std::string& verdict) {
-  Json json = Json::parse(ContentOf(CalibrateResult() / "result.json"));
+  Json json = Json::parse(FileContent(CalibrateResult() / "result.json"));
   json["assessment"]["verdict"] = verdict;
   flight.Write("../" + verdict + ".json", json.dump());
   return (flight.path().parent_path() / (verdict + ".json")).string();
@@ -176,7 +176,7 @@ TEST(CliGeoref, AnotherTrajectoryMovesThePoints) {
   const std::string smoothed = (SmoothResult() / "trajectory.out").string();
   const ProgramRun run = flight.Run("georef", {"--trajectory", smoothed});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
+  const Json json = Json::parse(FileContent(flight.out() / "georef.json"));
   EXPECT_EQ(json["trajectory"], smoothed);
   EXPECT_GT(json["strips"][1]["shift_rms_m"], 1e-4);
   EXPECT_LT(json["strips"][1]["shift_rms_m"], 0.3);

@@ -29,7 +29,7 @@ class HangingGnuplot {
   ~HangingGnuplot() { setenv("PATH", path_.c_str(), 1); }
   // A zombie process has an empty command line.
   bool Runs() const {
-    std::ifstream in("/proc/" + std::to_string(std::stoi(ContentOf(pid_file()))) + "/cmdline");
+    std::ifstream in("/proc/" + std::to_string(std::stoi(FileContent(pid_file()))) + "/cmdline");
     return in.get() != std::ifstream::traits_type::eof();
   }
   fs::path pid_file() const { return folder_.path() / "pid"; }
@@ -46,7 +46,7 @@ void ExpectInterrupted(const ProgramRun& run, const fs::path& out) {
   EXPECT_LT(run.end_after_signal_s, 2.0);  // about 1 s on a busy machine
   EXPECT_THAT(run.err, HasSubstr("error: interrupted; no result was written\n"));
   EXPECT_THAT(NamesIn(out), ElementsAre("report.json"));
-  const Json report = Json::parse(ContentOf(out / "report.json"));
+  const Json report = Json::parse(FileContent(out / "report.json"));
   EXPECT_EQ(report["error"]["kind"], "interrupted");
   EXPECT_EQ(report["schema"], "dn.report/1");
 }
@@ -85,7 +85,8 @@ TEST(CliInterruption, ASecondSignalEndsAtOnce) {
   options.arguments = {"smooth", ShortFlight().string(), "--out", (folder.path() / "r").string()};
   options.signal_after = "dn smooth: writing";
   options.at_signal = [&](int child) {
-    while (!fs::exists(gnuplot.pid_file()) || ContentOf(gnuplot.pid_file()).empty()) ::usleep(1000);
+    while (!fs::exists(gnuplot.pid_file()) || FileContent(gnuplot.pid_file()).empty())
+      ::usleep(1000);
     ::kill(child, SIGINT);
     ::kill(child, SIGTERM);
   };
@@ -108,7 +109,7 @@ TEST(CliInterruption, EndsASimulation) {
 
 TEST(CliInterruption, EndsAPointCloud) {
   const TempFolder folder;
-  folder.Write("clouds.yaml", ContentOf(ShortScenario()) + "strips: true\n");
+  folder.Write("clouds.yaml", FileContent(ShortScenario()) + "strips: true\n");
   ProgramOptions options;
   options.arguments = {"simulate", (folder.path() / "clouds.yaml").string(), "--out",
                        (folder.path() / "f").string()};

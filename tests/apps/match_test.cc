@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-int CountOf(const std::string& part, const std::string& text) {
+int CountPairs(const std::string& part, const std::string& text) {
   int count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
     ++count;
@@ -39,7 +39,7 @@ class Matching : public ::testing::Test {
   static void TearDownTestSuite() { folder_.reset(); }
 
   static std::string In(const std::string& name) { return (folder_->path() / name).string(); }
-  static Json Read(const std::string& name) { return Json::parse(ContentOf(In(name))); }
+  static Json Read(const std::string& name) { return Json::parse(FileContent(In(name))); }
 
   static std::unique_ptr<TempFolder> folder_;
 };
@@ -73,7 +73,7 @@ TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
 
 /// Renames the extra bytes of laser vectors, which nothing looks for then.
 void HideVectors(const fs::path& las) {
-  std::string bytes = ContentOf(las);
+  std::string bytes = FileContent(las);
   for (const std::string name : {"ux", "uy", "uz"}) {
     const std::size_t at = bytes.find(name + std::string(30, '\0'));
     ASSERT_NE(at, std::string::npos) << name;
@@ -96,7 +96,7 @@ TEST_F(Matching, VectorsOfAnAssumedBoresightDoNotCalibrate) {
   const ProgramRun assumed = calibrate({});
   EXPECT_EQ(assumed.exit_code, 0) << assumed.err;
   EXPECT_THAT(assumed.err, HasSubstr("1.las (as 1 more) has no laser vectors"));
-  EXPECT_THAT(ContentOf(In("from_points/lidar/1_2.txt")),
+  EXPECT_THAT(FileContent(In("from_points/lidar/1_2.txt")),
               StartsWith("# laser vectors computed with boresight 0, 0, 0 deg: assumed\n"));
   const Json wrong = Read("from_points/result.json");
   EXPECT_EQ(wrong["assessment"]["verdict"], "absorbed");
@@ -124,9 +124,9 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
   EXPECT_TRUE(fs::exists(In("all/match.json")));
   EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
   ExpectPageMatchesFiles(In("all"), 200);
-  EXPECT_THAT(ContentOf(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
+  EXPECT_THAT(FileContent(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
   // The GNSS screening runs once without pairs, for matching and planes, and once with them.
-  EXPECT_EQ(CountOf("dn calibrate: GNSS screening", run.err), 2) << run.err;
+  EXPECT_EQ(CountPairs("dn calibrate: GNSS screening", run.err), 2) << run.err;
 }
 
 TEST_F(Matching, PlanesAreFoundFromFarOff) {

@@ -36,7 +36,7 @@ const fs::path& Simulated(const std::string& old_text = "", const std::string& n
   static std::map<std::string, fs::path> flights;
   const std::string key = fmt::format("{}/{}", seed, new_text);
   if (flights.count(key) > 0) return flights[key];
-  std::string scenario = ContentOf(DN_MISTAKES_SCENARIO);
+  std::string scenario = FileContent(DN_MISTAKES_SCENARIO);
   if (!old_text.empty()) scenario.replace(scenario.find(old_text), old_text.size(), new_text);
   folders[key] = std::make_unique<TempFolder>();
   folders[key]->Write("scenario.yaml", scenario);
@@ -192,7 +192,7 @@ void GyroScale(const FlightOfNumbers& flight) {
               {"IMU.txt", "GPS.txt", "lidar"});
 }
 
-void TakePairsOfOtherFlight(const FlightOfNumbers& flight) {
+void TakeForeignPairs(const FlightOfNumbers& flight) {
   flight.Take(Simulated("[-700, 0, 700, 0, 700, 45]", "[-700, 60, 700, 60, 700, 45]", 2),
               {"lidar"});
 }
@@ -211,7 +211,7 @@ class Mistakes : public ::testing::TestWithParam<Mistake> {
   static Answer Ask(const FlightOfNumbers& flight) {
     Answer answer{flight.Run("calibrate")};
     if (!fs::exists(flight.out() / "result.json")) return answer;
-    const Json result = Json::parse(ContentOf(flight.out() / "result.json"));
+    const Json result = Json::parse(FileContent(flight.out() / "result.json"));
     answer.verdict = result["assessment"]["verdict"];
     answer.sigma0 = result["adjustment"]["sigma0"];
     for (int i = 0; i < 3; ++i) {
@@ -273,7 +273,7 @@ const Mistake kMistakes[] = {
     {"LidarLeverArmInMillimetres", Set("lidar.lever_arm_m", "[140, -20, 210]"),
      Must::kBeContradicted},
     {"EpochsOfPairsSwapped", SwapEpochs, Must::kBeContradicted},
-    {"PairsOfAnotherFlight", TakePairsOfOtherFlight, Must::kBeContradicted},
+    {"PairsOfAnotherFlight", TakeForeignPairs, Must::kBeContradicted},
     {"PairsShuffled",
      [](const FlightOfNumbers& f) {
        ShufflePairs(f, {1, 5, 6, 7});
@@ -326,8 +326,8 @@ TEST(RepeatedPairs, NarrowNoSigma) {
     EXPECT_NE(run.err.find("dn calibrate: error: "), std::string::npos) << run.err;
     return;
   }
-  const Json expected = Json::parse(ContentOf(once.out() / "result.json"))["boresight"];
-  const Json actual = Json::parse(ContentOf(repeated.out() / "result.json"))["boresight"];
+  const Json expected = Json::parse(FileContent(once.out() / "result.json"))["boresight"];
+  const Json actual = Json::parse(FileContent(repeated.out() / "result.json"))["boresight"];
   for (int i = 0; i < 3; ++i) {
     const double sigma_deg = expected["sigma_deg"][i];
     EXPECT_NEAR(actual["sigma_deg"][i].get<double>(), sigma_deg, 1e-6 * sigma_deg);

@@ -24,16 +24,16 @@ TEST(MonteCarlo, JudgesFliesOnAndRefusesToMix) {
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("2 flights of short"));
   EXPECT_THAT(first.out, HasSubstr("boresight NEES / 3"));
-  const Json two = Json::parse(ContentOf(out / "monte_carlo.json"));
+  const Json two = Json::parse(FileContent(out / "monte_carlo.json"));
   EXPECT_EQ(two["schema"], "dn.monte_carlo/1");
   EXPECT_EQ(two["flights"], 2);
   EXPECT_EQ(two["trajectory"].size(), 5U);
-  EXPECT_EQ(ContentOf(out / "table.txt"), first.out);
+  EXPECT_EQ(FileContent(out / "table.txt"), first.out);
   const auto made = fs::last_write_time(out / "flights" / "000001.json");
 
   const ProgramRun more = RunProgram(Arguments(out, "3"));
   ASSERT_EQ(more.exit_code, 0) << more.err;
-  EXPECT_EQ(Json::parse(ContentOf(out / "monte_carlo.json"))["flights"], 3);
+  EXPECT_EQ(Json::parse(FileContent(out / "monte_carlo.json"))["flights"], 3);
   EXPECT_EQ(fs::last_write_time(out / "flights" / "000001.json"), made) << "flown again";
 
   std::vector<std::string> other = Arguments(out, "3");

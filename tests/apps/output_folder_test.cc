@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 std::map<std::string, std::string> FolderContents(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) contents[entry.path().string()] = ContentOf(entry.path());
+    if (entry.is_regular_file()) contents[entry.path().string()] = FileContent(entry.path());
   }
   return contents;
 }
@@ -73,7 +73,7 @@ TEST(CliOutputFolder, ASimulatedFlightMayBeSimulatedAnew) {
   const ProgramRun run = RunProgram(
       {"simulate", ShortScenario().string(), "--seed", "9", "--out", flight.path().string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(flight.Read("IMU.txt"), ContentOf(ShortFlight() / "IMU.txt"));
+  EXPECT_NE(flight.Read("IMU.txt"), FileContent(ShortFlight() / "IMU.txt"));
   EXPECT_EQ(flight.Read("notes.txt"), "of the user");
   EXPECT_EQ(flight.Read("lidar/9_9.txt"), "of the user");
 }
@@ -85,13 +85,13 @@ TEST(CliOutputFolder, HoldsNothingOfAnEarlierResultBesideAnError) {
   const std::string out = (folder.path() / "r").string();
   EXPECT_EQ(RunProgram({"smooth", (folder.path() / "absent").string(), "--out", out}).exit_code, 2);
   EXPECT_THAT(NamesIn(out), ElementsAre("notes.txt", "report.json"));
-  const Json report = Json::parse(ContentOf(folder.path() / "r/report.json"));
+  const Json report = Json::parse(FileContent(folder.path() / "r/report.json"));
   EXPECT_EQ(report["error"]["kind"], "configuration");
   EXPECT_EQ(report["files"], Json({"report.json"}));
 }
 
 TEST(CliOutputFolder, ReportListsWhatWasWritten) {
-  const Json report = Json::parse(ContentOf(CalibrateResult() / "report.json"));
+  const Json report = Json::parse(FileContent(CalibrateResult() / "report.json"));
   std::vector<std::string> listed = report["files"];
   std::sort(listed.begin(), listed.end());
   EXPECT_EQ(listed, NamesIn(CalibrateResult()));
@@ -104,7 +104,7 @@ TEST(CliOutputFolder, AReportCannotNameFilesElsewhere) {
                R"({"schema": "dn.report/1", "files": ["../outside.txt", 3, "", "report.json"]})");
   const std::string out = (folder.path() / "r").string();
   EXPECT_EQ(RunProgram({"smooth", (folder.path() / "absent").string(), "--out", out}).exit_code, 2);
-  EXPECT_EQ(ContentOf(folder.path() / "outside.txt"), "of the user");
+  EXPECT_EQ(FileContent(folder.path() / "outside.txt"), "of the user");
 }
 
 TEST(CliOutputFolder, ADamagedReportIsIgnored) {
@@ -129,8 +129,8 @@ TEST(CliOutputFolder, ADamagedReportIsIgnored) {
     const ProgramRun run =
         RunProgram({"check", ShortFlight().string(), "--out", (folder.path() / "r").string()});
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_EQ(ContentOf(folder.path() / "r/notes.txt"), "of the user");
-    EXPECT_EQ(ContentOf(folder.path() / "r/.hidden"), "of the user");
+    EXPECT_EQ(FileContent(folder.path() / "r/notes.txt"), "of the user");
+    EXPECT_EQ(FileContent(folder.path() / "r/.hidden"), "of the user");
   }
 }
 
@@ -143,7 +143,7 @@ TEST(CliOutputFolder, APlantedJournalIsRefusedAndTouchesNothing) {
       RunProgram({"check", ShortFlight().string(), "--out", (folder.path() / "r").string()});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("r/.dn-staging-abcdef/.commit is not the journal of a run"));
-  EXPECT_EQ(ContentOf(folder.path() / "bashrc"), "of the user");
+  EXPECT_EQ(FileContent(folder.path() / "bashrc"), "of the user");
 }
 
 TEST(CliOutputFolder, AnInputThatIsAnEarlierResultIsKept) {

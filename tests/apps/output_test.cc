@@ -39,13 +39,13 @@ std::vector<std::string> FlyAndCalibrate(const fs::path& folder, const std::stri
                 .exit_code,
             0);
   EXPECT_EQ(RunProgram({"calibrate", flight, "--out", result, "--threads", threads}).exit_code, 0);
-  Json json = Json::parse(ContentOf(folder / "result/result.json"));
+  Json json = Json::parse(FileContent(folder / "result/result.json"));
   json.erase("timing_s");
   std::vector<std::string> texts{FormatJson(json)};
   for (const char* name :
        {"flight/IMU.txt", "flight/GPS.txt", "flight/reference.out", "result/trajectory.out",
         "result/trajectory_sigma.txt", "result/biases.txt"}) {
-    texts.push_back(ContentOf(folder / name));
+    texts.push_back(FileContent(folder / name));
   }
   return texts;
 }
@@ -65,8 +65,8 @@ TEST(CliOutput, ReplacesTheFilesOfAnEarlierRun) {
   folder.Write("r/result.json", "an earlier result");
   folder.Write("r/notes.txt", "of the user");
   ASSERT_EQ(RunProgram(CalibrateInto(folder.path() / "r")).exit_code, 0);
-  EXPECT_EQ(Json::parse(ContentOf(folder.path() / "r/result.json"))["schema"], "dn.result/1");
-  EXPECT_EQ(ContentOf(folder.path() / "r/notes.txt"), "of the user");
+  EXPECT_EQ(Json::parse(FileContent(folder.path() / "r/result.json"))["schema"], "dn.result/1");
+  EXPECT_EQ(FileContent(folder.path() / "r/notes.txt"), "of the user");
   EXPECT_THAT(HiddenNamesBelow(folder.path()), IsEmpty());
 }
 
@@ -78,7 +78,7 @@ TEST(CliOutput, AFileWhereTheFolderShouldBe) {
     EXPECT_EQ(run.exit_code, 1);
     EXPECT_THAT(run.err, HasSubstr(out.string()));
   }
-  EXPECT_EQ(ContentOf(folder.path() / "taken"), "x");
+  EXPECT_EQ(FileContent(folder.path() / "taken"), "x");
   EXPECT_THAT(NamesIn(folder.path()), ElementsAre("taken"));
 }
 
@@ -98,9 +98,9 @@ TEST(CliOutput, AFullDiskLeavesTheEarlierResult) {
   const ProgramRun run = RunProgram(options);
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("trajectory.out"));
-  EXPECT_EQ(ContentOf(folder.path() / "r/result.json"), "an earlier result");
+  EXPECT_EQ(FileContent(folder.path() / "r/result.json"), "an earlier result");
   EXPECT_THAT(NamesIn(folder.path() / "r"), ElementsAre("report.json", "result.json"));
-  const Json report = Json::parse(ContentOf(folder.path() / "r/report.json"));
+  const Json report = Json::parse(FileContent(folder.path() / "r/report.json"));
   EXPECT_EQ(report["error"]["kind"], "output");
 }
 
@@ -125,7 +125,7 @@ TEST_P(Interrupting, EndsWith130AndNoResult) {
   EXPECT_EQ(run.exit_code, 130);
   EXPECT_THAT(run.err, HasSubstr("dn calibrate: error: interrupted; no result was written\n"));
   EXPECT_THAT(NamesIn(folder.path() / "r"), ElementsAre("report.json"));
-  const Json report = Json::parse(ContentOf(folder.path() / "r/report.json"));
+  const Json report = Json::parse(FileContent(folder.path() / "r/report.json"));
   EXPECT_EQ(report["error"]["kind"], "interrupted");
 }
 

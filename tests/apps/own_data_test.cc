@@ -49,7 +49,7 @@ std::string Checked(const DamagedFlight& flight) {
 TEST(OwnData, WellFormedDataGiveNoHint) {
   const DamagedFlight flight;
   EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
-  EXPECT_THAT(ContentOf(SmoothResult() / "report.json"), Not(HasSubstr("R_imu_to_body")));
+  EXPECT_THAT(FileContent(SmoothResult() / "report.json"), Not(HasSubstr("R_imu_to_body")));
 }
 
 TEST(OwnData, ForwardLeftUpIsNamed) {
@@ -158,7 +158,7 @@ TEST(OwnData, EveryProblemIsTold) {
   const ProgramRun run = flight.Run("check");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.out, AllOf(HasSubstr("IMU.txt:7"), HasSubstr("GPS.txt:3"), HasSubstr("pairs")));
-  EXPECT_THAT(ContentOf(flight.out() / "report.json"),
+  EXPECT_THAT(FileContent(flight.out() / "report.json"),
               AllOf(HasSubstr("GPS.txt:3"), HasSubstr("\"counts\"")));
 }
 
@@ -169,7 +169,7 @@ TEST(OwnData, AFailedRunKeepsItsCounts) {
   });
   const ProgramRun run = flight.Run("smooth");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(ContentOf(flight.out() / "report.json"),
+  EXPECT_THAT(FileContent(flight.out() / "report.json"),
               AllOf(HasSubstr("\"gnss epochs\""), HasSubstr("\"read\"")));
 }
 
@@ -184,7 +184,7 @@ class RawFolder {
   }
   std::string path() const { return (folder_.path() / "raw").string(); }
   std::string out() const { return (folder_.path() / "out").string(); }
-  std::string Yaml() const { return ContentOf(folder_.path() / "raw/flight.yaml"); }
+  std::string Yaml() const { return FileContent(folder_.path() / "raw/flight.yaml"); }
 
  private:
   DamagedFlight flight_;

@@ -53,14 +53,14 @@ double HalfLastDigit(const std::string& text) {
 
 void ExpectPageMatchesFiles(const std::filesystem::path& folder, std::size_t least) {
   SCOPED_TRACE(folder.string());
-  const std::string html = ContentOf(folder / "report.html");
+  const std::string html = FileContent(folder / "report.html");
   EXPECT_LT(html.size(), kMostBytes);
   std::map<std::string, Json> files;
   const std::vector<Shown> numbers = ParseShownNumbers(html);
   EXPECT_GE(numbers.size(), least);
   for (const Shown& shown : numbers) {
     if (!files.contains(shown.file)) {
-      files[shown.file] = Json::parse(ContentOf(folder / shown.file));
+      files[shown.file] = Json::parse(FileContent(folder / shown.file));
     }
     const Json::json_pointer pointer(shown.pointer);
     ASSERT_TRUE(files[shown.file].contains(pointer)) << shown.file << shown.pointer;

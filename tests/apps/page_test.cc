@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-std::string PageIn(const fs::path& folder) { return ContentOf(folder / "report.html"); }
+std::string PageIn(const fs::path& folder) { return FileContent(folder / "report.html"); }
 
 TEST(CliPage, NumbersAreThoseOfTheFiles) {
   ExpectPageMatchesFiles(CalibrateResult(), 150);
@@ -25,7 +25,7 @@ TEST(CliPage, NumbersAreThoseOfTheFiles) {
 
 TEST(CliPage, ItsFirstScreenAnswers) {
   const std::string html = PageIn(CalibrateResult());
-  const Json result = Json::parse(ContentOf(CalibrateResult() / "result.json"));
+  const Json result = Json::parse(FileContent(CalibrateResult() / "result.json"));
   const std::string verdict = result["assessment"]["verdict"];
   const std::string first = html.substr(0, html.find("<nav>"));
   EXPECT_THAT(first,
@@ -51,7 +51,7 @@ TEST(CliPage, OfAFolderIsThatOfTheCommand) {
   for (const fs::path& result : {CalibrateResult(), SmoothResult(), GapResult(), CheckResult()}) {
     const ProgramRun run = RunProgram({"report", result.string(), "--out", page.string()});
     ASSERT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_TRUE(ContentOf(page) == PageIn(result)) << result;
+    EXPECT_TRUE(FileContent(page) == PageIn(result)) << result;
   }
 }
 
@@ -67,7 +67,7 @@ TEST(CliPage, SeveralResultsSideBySide) {
       RunProgram({"report", CalibrateResult().string(), gh, "--out", page.string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, AllOf(HasSubstr("not significant"), HasSubstr("of nested data")));
-  EXPECT_THAT(ContentOf(page), AllOf(HasSubstr("Do they agree?"), HasSubstr("of nested data")));
+  EXPECT_THAT(FileContent(page), AllOf(HasSubstr("Do they agree?"), HasSubstr("of nested data")));
   const ProgramRun again = RunProgram(
       {"report", CalibrateResult().string(), CalibrateResult().string(), "--out", page.string()});
   EXPECT_THAT(again.out, HasSubstr("independent"));
@@ -82,14 +82,14 @@ TEST(CliPage, NamesItsInputsByTheirHashes) {
   ASSERT_EQ(RunProgram({"check", flight.path().string(), "--out", out.path().string()}).exit_code,
             0);
   const Json expected = {{{"file", "flight.yaml"}, {"bytes", 10}, {"sha256", hash}}};
-  EXPECT_EQ(Json::parse(ContentOf(out.path() / "report.json"))["inputs"], expected);
+  EXPECT_EQ(Json::parse(FileContent(out.path() / "report.json"))["inputs"], expected);
   EXPECT_THAT(PageIn(out.path()),
               AllOf(HasSubstr("<td class=\"plain\">" + hash.substr(0, 12) + "</td>"),
                     HasSubstr(hash + "  flight.yaml")));
 }
 
 TEST(CliPage, ListsEveryInputOfACalibration) {
-  const Json report = Json::parse(ContentOf(CalibrateResult() / "report.json"));
+  const Json report = Json::parse(FileContent(CalibrateResult() / "report.json"));
   std::vector<std::string> files;
   for (const Json& input : report["inputs"]) {
     const std::string file = input["file"];
@@ -120,7 +120,7 @@ TEST(CliPage, AFailureIsSaid) {
   const std::string page = (folder.path() / "page.html").string();
   const ProgramRun run = RunProgram({"report", folder.path().string(), "--out", page});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(ContentOf(page),
+  EXPECT_THAT(FileContent(page),
               AllOf(HasSubstr("failed"), HasSubstr("no IMU data"), Not(HasSubstr("</script>no"))));
 }
 

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kSbetRecordBytes = 17 * 8;
 
-Json JsonOf(const fs::path& file) { return Json::parse(ContentOf(file)); }
+Json LoadJson(const fs::path& file) { return Json::parse(FileContent(file)); }
 
 std::vector<std::string> JsonKeys(const Json& json) {
   std::vector<std::string> keys;
@@ -49,12 +49,12 @@ void ExpectMatrix3(const Json& json) {
 
 /// Expects that the resolved configuration of a result reads back to the same configuration.
 void ExpectReadsBack(const fs::path& folder) {
-  const std::string text = ContentOf(folder / "config.resolved.yaml");
+  const std::string text = FileContent(folder / "config.resolved.yaml");
   EXPECT_EQ(FormatFlightConfig(ParseFlightConfig(text, folder)), text);
 }
 
 void ExpectTrajectoryFiles(const fs::path& folder) {
-  const std::string sbet = ContentOf(folder / "trajectory.out");
+  const std::string sbet = FileContent(folder / "trajectory.out");
   EXPECT_EQ(sbet.size() % kSbetRecordBytes, 0u);
   const Trajectory trajectory = ReadTrajectory(folder / "trajectory.out");
   EXPECT_GT(trajectory.t_end_s() - trajectory.t_begin_s(), 200.0);
@@ -80,10 +80,10 @@ void ExpectReport(const Json& report, const std::string& command) {
 }
 
 TEST(CliResults, ReportsOfEverySubcommand) {
-  ExpectReport(JsonOf(ShortFlight() / "report.json"), "simulate");
-  ExpectReport(JsonOf(CheckResult() / "report.json"), "check");
-  ExpectReport(JsonOf(SmoothResult() / "report.json"), "smooth");
-  ExpectReport(JsonOf(CalibrateResult() / "report.json"), "calibrate");
+  ExpectReport(LoadJson(ShortFlight() / "report.json"), "simulate");
+  ExpectReport(LoadJson(CheckResult() / "report.json"), "check");
+  ExpectReport(LoadJson(SmoothResult() / "report.json"), "smooth");
+  ExpectReport(LoadJson(CalibrateResult() / "report.json"), "calibrate");
 }
 
 TEST(CliResults, ResolvedConfigurationsReadBack) {
@@ -106,7 +106,7 @@ TEST(CliCheck, SummarisesAndSaysWhatIsPossible) {
 TEST(CliSmooth, TrajectoryFiles) { ExpectTrajectoryFiles(SmoothResult()); }
 
 TEST(CliSmooth, SmoothJson) {
-  const Json smooth = JsonOf(SmoothResult() / "smooth.json");
+  const Json smooth = LoadJson(SmoothResult() / "smooth.json");
   EXPECT_EQ(smooth["assessment"]["verdict"], "consistent");
   EXPECT_TRUE(smooth["model_check"]["p_value"].is_number());
   EXPECT_EQ(smooth["flight"], "short");
@@ -121,7 +121,7 @@ TEST(CliSmooth, SmoothJson) {
 }
 
 TEST(CliSmooth, AccuracyIsThatOfTheSigmas) {
-  const Json accuracy = JsonOf(SmoothResult() / "smooth.json")["accuracy"];
+  const Json accuracy = LoadJson(SmoothResult() / "smooth.json")["accuracy"];
   const TextTable table = ReadTextTable(SmoothResult() / "trajectory_sigma.txt", {10});
   for (const auto& [key, first] : {std::pair{"enu_m", 1}, std::pair{"rph_deg", 7}}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -153,7 +153,7 @@ TEST(CliSmooth, SaysWhetherToRelyOnItAndHowAccurateItIsFirst) {
 }
 
 TEST(CliSmooth, ForwardAndReverseFilterAgreeWithinTheirNoise) {
-  const Json separation = JsonOf(SmoothResult() / "smooth.json")["separation"];
+  const Json separation = LoadJson(SmoothResult() / "smooth.json")["separation"];
   ASSERT_TRUE(separation.is_object());
   const TextTable table = ReadTextTable(SmoothResult() / "filter_separation.txt", {7});
   EXPECT_EQ(separation["epochs"], table.rows());
@@ -169,11 +169,12 @@ TEST(CliSmooth, ForwardAndReverseFilterAgreeWithinTheirNoise) {
     EXPECT_GT(separation["rms_enu_m"][i], 0.0);
     EXPECT_LT(separation["max_rph_deg"][i], 1.0);
   }
-  EXPECT_THAT(ContentOf(SmoothResult() / "report.html"), HasSubstr("Forward minus reverse filter"));
+  EXPECT_THAT(FileContent(SmoothResult() / "report.html"),
+              HasSubstr("Forward minus reverse filter"));
 }
 
 TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
-  const Json residuals = JsonOf(SmoothResult() / "report.json")["residuals"];
+  const Json residuals = LoadJson(SmoothResult() / "report.json")["residuals"];
   std::map<std::string, Json> by_name;
   for (const auto& [sensor, axes] : residuals.items()) {
     for (const auto& [axis, one] : axes.items()) {
@@ -183,7 +184,7 @@ TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
     }
   }
   int compared = 0;
-  const Json check = JsonOf(SmoothResult() / "smooth.json")["model_check"];
+  const Json check = LoadJson(SmoothResult() / "smooth.json")["model_check"];
   for (const Json& group : check["groups"]) {
     const auto one = by_name.find(group["name"]);
     if (one == by_name.end()) continue;
@@ -197,7 +198,7 @@ TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
 TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); }
 
 TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
-  const Json result = JsonOf(CalibrateResult() / "result.json");
+  const Json result = LoadJson(CalibrateResult() / "result.json");
   EXPECT_THAT(JsonKeys(result),
               UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment",
                                    "correlations", "estimates", "clocks", "adjustment",
@@ -228,7 +229,7 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
     EXPECT_GT(unseen["damage_sigmas"], 1.0);
     ExpectNumbers(unseen["boresight_damage_mdeg"], 3);
   }
-  EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
+  EXPECT_THAT(FileContent(CalibrateResult() / "report.html"),
               HasSubstr("Undetectable effects of typical size"));
   for (const Json& departure : result["model_check"]["departures"]) {
     EXPECT_THAT(JsonKeys(departure),
@@ -237,7 +238,7 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
     EXPECT_GT(departure["p_value"], 1e-3);
   }
   EXPECT_EQ(result["model_check"]["departures"].size(), 2u);
-  EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
+  EXPECT_THAT(FileContent(CalibrateResult() / "report.html"),
               HasSubstr("Differences of laser vectors that no effect explains"));
   ASSERT_FALSE(result["model_check"]["groups"].empty());
   EXPECT_THAT(JsonKeys(result["model_check"]["groups"][0]),
@@ -266,7 +267,7 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
 }
 
 TEST(CliCalibrate, SigmaIsTheRootOfTheCovariance) {
-  const Json boresight = JsonOf(CalibrateResult() / "result.json")["boresight"];
+  const Json boresight = LoadJson(CalibrateResult() / "result.json")["boresight"];
   constexpr double kRounding = 1e-12;  // rounding error of one square root
   for (std::size_t i = 0; i < 3; ++i) {
     const double sigma = boresight["sigma_deg"][i];
@@ -276,7 +277,7 @@ TEST(CliCalibrate, SigmaIsTheRootOfTheCovariance) {
 }
 
 TEST(CliCalibrate, FindsTheSimulatedBoresight) {
-  const Json boresight = JsonOf(CalibrateResult() / "result.json")["boresight"];
+  const Json boresight = LoadJson(CalibrateResult() / "result.json")["boresight"];
   const double truth_deg[] = {0.2, 0.03, 0.35};
   // The false-alarm probability is below 1e-5 per angle, and the seed is fixed.
   constexpr double kSigmas = 4.5;
@@ -290,7 +291,7 @@ TEST(CliCalibrate, FindsTheSimulatedBoresight) {
 }
 
 TEST(CliCalibrate, TheSmoothedTrajectoryIsNearTheTrueOne) {
-  const Json errors = JsonOf(CalibrateResult() / "report.json")["reference_errors"];
+  const Json errors = LoadJson(CalibrateResult() / "report.json")["reference_errors"];
   // The GNSS sigmas are 1.5 cm and 3 cm, and the inertial unit is of navigation grade.
   constexpr double kPositionM = 0.05;
   constexpr double kRollPitchDeg = 0.02;

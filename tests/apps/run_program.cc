@@ -132,7 +132,7 @@ fs::path CalibrateResult() { return fs::path(DN_CLI_WORK) / "calibrate"; }
 fs::path GapResult() { return fs::path(DN_CLI_WORK) / "gap"; }
 fs::path ShortScenario() { return DN_SHORT_SCENARIO; }
 
-std::string ContentOf(const fs::path& file) {
+std::string FileContent(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + file.string());
   return {std::istreambuf_iterator<char>(stream), {}};

@@ -54,7 +54,7 @@ std::filesystem::path CalibrateResult();
 std::filesystem::path GapResult();  ///< result of cli.gap with --screen-only
 std::filesystem::path ShortScenario();
 
-std::string ContentOf(const std::filesystem::path& file);
+std::string FileContent(const std::filesystem::path& file);
 
 /// Returns the text without the lines that contain `part`.
 std::string WithoutLines(const std::string& text, const std::string& part);

@@ -75,9 +75,9 @@ TEST_F(SeriesOfThree, MergedShardsAreTheBytesOfOneRun) {
   EXPECT_EQ(NamesIn(merged), names);
   for (const std::string& name : names) {
     if (name == "flights" || name == "report.json") continue;
-    EXPECT_EQ(ContentOf(merged / name), ContentOf(whole / name)) << name;
+    EXPECT_EQ(FileContent(merged / name), FileContent(whole / name)) << name;
   }
-  EXPECT_EQ(Json::parse(ContentOf(merged / "monte_carlo.json"))["flights"], 3);
+  EXPECT_EQ(Json::parse(FileContent(merged / "monte_carlo.json"))["flights"], 3);
 }
 
 TEST_F(SeriesOfThree, WhatDoesNotFitTogetherIsRefused) {
@@ -198,7 +198,7 @@ class SweepOfTwo : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
-    folder_->Write("short.yaml", ContentOf(ShortScenario()));
+    folder_->Write("short.yaml", FileContent(ShortScenario()));
     folder_->Write("sweep.yaml",
                    "base: short.yaml\nsweep:\n  pairs.count: {few: 200, many: 400}\n");
     for (const char* shard : {"1", "2"}) {

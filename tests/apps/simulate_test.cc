@@ -43,18 +43,19 @@ TEST(CliSimulate, TheSameSeedGivesTheSameBytesAnotherOneDoesNot) {
   ASSERT_EQ(SimulateInto(folder.path() / "same", ShortScenario(), "3").exit_code, 0);
   ASSERT_EQ(SimulateInto(folder.path() / "other", ShortScenario(), "4").exit_code, 0);
   for (const char* name : {"IMU.txt", "GPS.txt", "flight.yaml", "truth.yaml", "reference.out"}) {
-    EXPECT_EQ(ContentOf(folder.path() / "same" / name), ContentOf(ShortFlight() / name)) << name;
+    EXPECT_EQ(FileContent(folder.path() / "same" / name), FileContent(ShortFlight() / name))
+        << name;
   }
   for (const std::string& name : NamesIn(ShortFlight() / "lidar")) {
-    EXPECT_EQ(ContentOf(folder.path() / "same/lidar" / name),
-              ContentOf(ShortFlight() / "lidar" / name));
+    EXPECT_EQ(FileContent(folder.path() / "same/lidar" / name),
+              FileContent(ShortFlight() / "lidar" / name));
   }
-  EXPECT_NE(ContentOf(folder.path() / "other/IMU.txt"), ContentOf(ShortFlight() / "IMU.txt"));
+  EXPECT_NE(FileContent(folder.path() / "other/IMU.txt"), FileContent(ShortFlight() / "IMU.txt"));
 }
 
 TEST(CliSimulate, TruthStaysInItsOwnFile) {
   const TempFolder folder;
-  const std::string scenario = ContentOf(ShortScenario()) +
+  const std::string scenario = FileContent(ShortScenario()) +
                                "effects:\n  - {effect: gnss_lever_arm, value: [0.123, 0, 0]}\n"
                                "  - {effect: lidar_time_offset, value: 0.000456}\n";
   folder.Write("effects.yaml", scenario);
@@ -65,12 +66,12 @@ TEST(CliSimulate, TruthStaysInItsOwnFile) {
   EXPECT_EQ(config.lidar->mounting.boresight_rad, Eigen::Vector3d::Zero());
   EXPECT_EQ(config.gnss->lever_arm_b_m, Eigen::Vector3d(0.4, -0.1, -1.1));
   for (const char* name : {"flight.yaml", "config.resolved.yaml"}) {
-    const std::string text = ContentOf(flight / name);
+    const std::string text = FileContent(flight / name);
     for (const char* leak : {"0.35", "0.03,", "0.123", "0.523", "0.000456", "effect"}) {
       EXPECT_THAT(text, Not(HasSubstr(leak))) << name;
     }
   }
-  const std::string truth = ContentOf(flight / "truth.yaml");
+  const std::string truth = FileContent(flight / "truth.yaml");
   EXPECT_THAT(truth, HasSubstr("gnss_lever_arm_m: [0.523, -0.1, -1.1]"));
   EXPECT_THAT(truth, HasSubstr("{effect: lidar_time_offset, value: 0.000456}"));
   const auto boresight_deg = ReadTrueBoresightDeg(flight);
@@ -90,7 +91,7 @@ double RmsHeight(const fs::path& file) {
 
 TEST(CliSimulate, PointCloudsLieOnTheGroundWithTheTrueBoresight) {
   const TempFolder folder;
-  std::string scenario = ContentOf(ShortScenario());
+  std::string scenario = FileContent(ShortScenario());
   const std::size_t terrain = scenario.find("terrain:");
   scenario.replace(terrain, scenario.find('\n', terrain) - terrain,
                    "terrain: {kind: flat, roughness_m: 0}");
@@ -137,7 +138,7 @@ TEST(CliSimulate, AKeyOfTheScenarioIsChangedForThisRun) {
 
 TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {
   const TempFolder folder;
-  folder.Write("wrong.yaml", ContentOf(ShortScenario()) + "pears: {count: 4}\n");
+  folder.Write("wrong.yaml", FileContent(ShortScenario()) + "pears: {count: 4}\n");
   const ProgramRun run = SimulateInto(folder.path() / "f", folder.path() / "wrong.yaml", "1");
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("unknown key 'pears'; did you mean 'pairs'?"));

@@ -16,7 +16,7 @@ inline std::string With(std::string text, const std::string& old, const std::str
 
 /// Returns the short scenario with point clouds that are small enough for a test.
 inline std::string StripScenario(const std::string& terrain) {
-  std::string text = ContentOf(ShortScenario());
+  std::string text = FileContent(ShortScenario());
   text = With(text, "[-400, 0, 400, 0, 200, 45]", "[-150, 0, 150, 0, 200, 40]");
   text = With(text, "[0, -400, 0, 400, 240, 45]", "[0, -150, 0, 150, 240, 40]");
   text = With(text, "kind: built_up", terrain);

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 namespace fs = std::filesystem;
 
-Json JsonIn(const fs::path& file) { return Json::parse(ContentOf(file)); }
+Json JsonIn(const fs::path& file) { return Json::parse(FileContent(file)); }
 
 TEST(CliStudy, OfAScenarioWritesWhatTheContractNames) {
   const TempFolder folder;
@@ -23,7 +23,7 @@ TEST(CliStudy, OfAScenarioWritesWhatTheContractNames) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(NamesIn(out),
               IsSupersetOf({"config.resolved.yaml", "report.json", "study.json", "summary.txt"}));
-  EXPECT_EQ(run.out, ContentOf(out / "summary.txt"));
+  EXPECT_EQ(run.out, FileContent(out / "summary.txt"));
   ExpectPageMatchesFiles(out, 20);
   const Json study = JsonIn(out / "study.json");
   EXPECT_EQ(study["schema"], "dn.study/1");
@@ -101,7 +101,7 @@ struct OneStrip {
   TempFolder folder;
   fs::path scenario = folder.path() / "one.yaml";
 
-  OneStrip() { folder.Write("one.yaml", WithoutLines(ContentOf(ShortScenario()), "[0, -400,")); }
+  OneStrip() { folder.Write("one.yaml", WithoutLines(FileContent(ShortScenario()), "[0, -400,")); }
 };
 
 TEST(CliStudy, OneStripFails) {
@@ -133,7 +133,7 @@ ProgramRun SweepShard(const fs::path& file, const std::string& shard, const fs::
 
 TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
   const TempFolder folder;
-  folder.Write("short.yaml", ContentOf(ShortScenario()));
+  folder.Write("short.yaml", FileContent(ShortScenario()));
   folder.Write("sweep.yaml",
                "base: short.yaml\n"
                "sweep:\n"
@@ -156,18 +156,18 @@ TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
   EXPECT_EQ(NamesIn(both), NamesIn(whole));
   for (const char* name : {"sweep.csv", "sweep.json", "summary.txt", "config.resolved.yaml",
                            "base.yaml", "report.html"}) {
-    EXPECT_EQ(ContentOf(both / name), ContentOf(whole / name)) << name;
+    EXPECT_EQ(FileContent(both / name), FileContent(whole / name)) << name;
   }
   ExpectPageMatchesFiles(whole, 12);
-  EXPECT_THAT(ContentOf(whole / "report.html"), HasSubstr("2 of them would determine"));
-  const std::string csv = ContentOf(whole / "sweep.csv");
+  EXPECT_THAT(FileContent(whole / "report.html"), HasSubstr("2 of them would determine"));
+  const std::string csv = FileContent(whole / "sweep.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
   EXPECT_EQ(RunProgram({"merge", one, "--out", folder.path() / "part"}).exit_code, 2);
 }
 
 TEST(CliStudy, ChoosesTheLinesOfThePlan) {
   const TempFolder folder;
-  folder.Write("short.yaml", ContentOf(ShortScenario()));
+  folder.Write("short.yaml", FileContent(ShortScenario()));
   const std::string lines =
       "lines:\n"
       "  east: [-400, 0, 400, 0, 200, 45]\n"

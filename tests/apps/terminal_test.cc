@@ -26,7 +26,7 @@ TEST(CliTerminal, AResultReachesItWithoutControlCharacters) {
   const TempFolder folder;
   fs::create_directory(folder.path() / "r");
   for (const auto& entry : fs::directory_iterator(SmoothResult())) {
-    std::string content = ContentOf(entry.path());
+    std::string content = FileContent(entry.path());
     const std::string name = "\"flight\": \"short\"";
     const std::size_t at = content.find(name);
     if (at != std::string::npos) {

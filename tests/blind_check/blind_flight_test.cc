@@ -61,9 +61,9 @@ TEST(BlindFlight, OfASuiteOfOneContentHasThat) {
     for (int number = 1; number <= 4; ++number) {
       EXPECT_EQ(DrawBlindFlight(suite, number).content(), content) << Word(content);
     }
-    EXPECT_EQ(ContentOf(Word(content)), content);
+    EXPECT_EQ(RecordContent(Word(content)), content);
   }
-  EXPECT_THROW(ContentOf("everything"), InvalidInput);
+  EXPECT_THROW(RecordContent("everything"), InvalidInput);
 }
 
 TEST(BlindFlight, IsTheSameForTheSameSuiteAndNumber) {

@@ -101,7 +101,7 @@ TEST(YamlValue, NestingWithoutEndIsNamed) {
   }
 }
 
-std::string FaultOfChange(const std::string& change) {
+std::string ChangeFault(const std::string& change) {
   try {
     WithYamlChanges(kText, {change}, "a=1");
   } catch (const InvalidConfig& e) {
@@ -123,11 +123,11 @@ TEST(YamlChanges, AKeyWithoutEndIsNoKey) {
   std::string deep = "a";
   for (int i = 0; i < 20000; ++i) deep += ".a";
   for (const std::string& key : {deep, std::string(5000, 'x')}) {
-    const std::string fault = FaultOfChange(key + "=1");
+    const std::string fault = ChangeFault(key + "=1");
     EXPECT_THAT(fault, HasSubstr("at most 200"));
     EXPECT_LT(fault.size(), 200u);
   }
-  EXPECT_EQ(FaultOfChange(std::string(200, 'x') + "=1"), "");
+  EXPECT_EQ(ChangeFault(std::string(200, 'x') + "=1"), "");
 }
 
 }  // namespace dn::yaml_value_test

@@ -1,5 +1,5 @@
-#include <dn/error.h>
 #include <dn/diagnosis/signature.h>
+#include <dn/error.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ Flight Perfect(const std::string& effects) {
 }
 
 Signature EffectSignature(const std::string& effect, const GapOptions& options = {}) {
-  return SignatureOf(Perfect("effects: [" + effect + "]"), Perfect(""), options);
+  return ComputeSignature(Perfect("effects: [" + effect + "]"), Perfect(""), options);
 }
 
 TEST(Signature, AnEffectOfTheTableLeavesNothing) {
@@ -45,13 +45,15 @@ TEST(Signature, WhatTheLibraryLacksIsLeftButForWhatItsRelativesTake) {
   EXPECT_LT(left_out.lambda_left, left_out.lambda);
 }
 
-TEST(Signature, OfNothingIsNone) { EXPECT_LT(SignatureOf(Perfect(""), Perfect("")).lambda, 1e-9); }
+TEST(Signature, OfNothingIsNone) {
+  EXPECT_LT(ComputeSignature(Perfect(""), Perfect("")).lambda, 1e-9);
+}
 
 // The best test is that of the effect itself. In data with noise its statistic has the mean lambda
 // + 1 and the standard deviation sqrt(2 + 4 lambda).
 TEST(Signature, IsWhatATestSeesInNoise) {
   const std::string effect = "effects: [{effect: lidar_range_offset, value: [0.05]}]";
-  const double lambda = SignatureOf(Perfect(effect), Perfect("")).lambda;
+  const double lambda = ComputeSignature(Perfect(effect), Perfect("")).lambda;
   constexpr int kSeeds = 6;
   double mean = 0.0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {

@@ -118,7 +118,7 @@ struct Compared {
 
   double Z(const std::string& name) const {
     for (std::size_t k = 0; k < statistics.size(); ++k) {
-      if (NameOf(statistics[k]) == name) return test.z[static_cast<Eigen::Index>(k)];
+      if (StatisticName(statistics[k]) == name) return test.z[static_cast<Eigen::Index>(k)];
     }
     return std::nan("");
   }

@@ -20,7 +20,7 @@ struct Step {
   double phi, q;
 };
 
-Step StepOf(const FactorBase& f) {
+Step ProcessStep(const FactorBase& f) {
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   const double* x[] = {zero.data(), zero.data()};
   Eigen::Vector3d r;
@@ -76,7 +76,7 @@ TEST(GaussMarkovEdge, ChainIsStationary) {
   std::vector<double> t_s{0.0};
   for (Eigen::Index k = 0; k + 1 < n; ++k) {
     const double dt_s = steps_s[static_cast<std::size_t>(k)];
-    const Step step = StepOf(GaussMarkovEdge(kSigma, kTauS, dt_s));
+    const Step step = ProcessStep(GaussMarkovEdge(kSigma, kTauS, dt_s));
     const Eigen::Vector2d j(-step.phi, 1.0);
     information.block<2, 2>(k, k) += j * j.transpose() / step.q;
     t_s.push_back(t_s.back() + dt_s);
@@ -96,8 +96,8 @@ TEST(GaussMarkovEdge, LongCorrelationTimeIsARandomWalk) {
   constexpr double kDensity = 0.03, kTauS = 1e12, kStepS = 2.0;
   // Equal driving noise: q dt = 2 sigma^2 / tau dt.
   const double sigma = kDensity * std::sqrt(kTauS / 2.0);
-  const Step gauss_markov = StepOf(GaussMarkovEdge(sigma, kTauS, kStepS));
-  const Step random_walk = StepOf(RandomWalkEdge(kDensity, kStepS));
+  const Step gauss_markov = ProcessStep(GaussMarkovEdge(sigma, kTauS, kStepS));
+  const Step random_walk = ProcessStep(RandomWalkEdge(kDensity, kStepS));
   EXPECT_NEAR(gauss_markov.phi, random_walk.phi, 1e-11);
   EXPECT_NEAR(gauss_markov.q / random_walk.q, 1.0, 1e-11);
   EXPECT_EQ(random_walk.phi, 1.0);
@@ -108,15 +108,15 @@ TEST(BiasProcess, TwoStepsComposeToOne) {
   const auto composed = [](const Step& a, const Step& b) -> Step {
     return {b.phi * a.phi, b.phi * b.phi * a.q + b.q};
   };
-  const Step gauss_markov =
-      composed(StepOf(GaussMarkovEdge(0.5, 20.0, 3.0)), StepOf(GaussMarkovEdge(0.5, 20.0, 8.0)));
-  const Step gauss_markov_one = StepOf(GaussMarkovEdge(0.5, 20.0, 11.0));
+  const Step gauss_markov = composed(ProcessStep(GaussMarkovEdge(0.5, 20.0, 3.0)),
+                                     ProcessStep(GaussMarkovEdge(0.5, 20.0, 8.0)));
+  const Step gauss_markov_one = ProcessStep(GaussMarkovEdge(0.5, 20.0, 11.0));
   EXPECT_NEAR(gauss_markov.phi, gauss_markov_one.phi, 1e-15);
   EXPECT_NEAR(gauss_markov.q, gauss_markov_one.q, 1e-15);
 
   const Step random_walk =
-      composed(StepOf(RandomWalkEdge(0.5, 3.0)), StepOf(RandomWalkEdge(0.5, 8.0)));
-  EXPECT_NEAR(random_walk.q, StepOf(RandomWalkEdge(0.5, 11.0)).q, 1e-14);
+      composed(ProcessStep(RandomWalkEdge(0.5, 3.0)), ProcessStep(RandomWalkEdge(0.5, 8.0)));
+  EXPECT_NEAR(random_walk.q, ProcessStep(RandomWalkEdge(0.5, 11.0)).q, 1e-14);
 }
 
 TEST(BiasProcess, RejectsBadInput) {

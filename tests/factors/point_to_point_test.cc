@@ -45,7 +45,7 @@ std::vector<VectorXd> States(const MapPose& i, const MapPose& j, double dt_s) {
           State(kBoresight), kLeverArm, VectorXd(VectorXd::Constant(1, dt_s))};
 }
 
-Vector3d ResidualOf(const FactorBase& factor, const std::vector<VectorXd>& x) {
+Vector3d EvaluateResidual(const FactorBase& factor, const std::vector<VectorXd>& x) {
   std::vector<const double*> pointers;
   for (const VectorXd& block : x) pointers.push_back(block.data());
   Vector3d r;
@@ -77,7 +77,7 @@ class PointPair : public ::testing::Test {
 TEST_F(PointPair, VanishesOnAnAnalyticFlight) {
   for (const double node_s : {1.0, 1.2, 1.4, 1.45}) {
     SCOPED_TRACE("node " + std::to_string(node_s));
-    const Vector3d r = ResidualOf(Factor(node_s, 1.4537, 4.0, 4.9012), Truth(node_s, 4.0));
+    const Vector3d r = EvaluateResidual(Factor(node_s, 1.4537, 4.0, 4.9012), Truth(node_s, 4.0));
     EXPECT_LE(r.norm(), 5e-6);  // 2e-9 rad at 1 km, and gravitation linearised over 0.9 s
   }
 }
@@ -85,8 +85,8 @@ TEST_F(PointPair, VanishesOnAnAnalyticFlight) {
 // The result does not depend on whether the node is at the epoch or before it.
 TEST_F(PointPair, PartialIncrementsAgreeWithANodeAtTheEpoch) {
   const double t_s = imu_.samples[299].t_s;
-  const Vector3d at_node = ResidualOf(Factor(t_s, t_s, 4.0, 4.1), Truth(t_s, 4.0));
-  const Vector3d before = ResidualOf(Factor(1.3, t_s, 4.0, 4.1), Truth(1.3, 4.0));
+  const Vector3d at_node = EvaluateResidual(Factor(t_s, t_s, 4.0, 4.1), Truth(t_s, 4.0));
+  const Vector3d before = EvaluateResidual(Factor(1.3, t_s, 4.0, 4.1), Truth(1.3, 4.0));
   EXPECT_LE((before - at_node).norm(), 5e-6);
 }
 
@@ -102,7 +102,7 @@ TEST(PointToPoint, ResidualOfAShiftedPair) {
   b.p_mb = {10.0, 24.0, 31.0};
   std::vector<VectorXd> x = States(a, b, 0.0);
   x[6] = State(Eigen::Quaterniond::Identity());
-  EXPECT_LE((ResidualOf(factor, x) - Vector3d(0.0, 0.0, -2.0)).norm(), 1e-10);
+  EXPECT_LE((EvaluateResidual(factor, x) - Vector3d(0.0, 0.0, -2.0)).norm(), 1e-10);
 }
 
 TEST_F(PointPair, JacobiansAgreeAtRandomStates) {
@@ -133,10 +133,10 @@ TEST_F(PointPair, TimeOffsetMovesThePointAlongItsPath) {
   late_i.partial = Preintegrate(imu_, 1.0, 1.3 + kOffset_s, {}, kNoise);
   late_j.partial = Preintegrate(imu_, 4.0, 4.2 + kOffset_s, {}, kNoise);
   const PointToPoint late(motion_.frame, late_i, late_j, Mounting(), 0.0, Noise<3>::Sigma(1.0));
-  const double ignored = ResidualOf(late, Truth(1.0, 4.0, 0.0)).norm();
+  const double ignored = EvaluateResidual(late, Truth(1.0, 4.0, 0.0)).norm();
   EXPECT_GE(ignored, 1e-3);
   // Second-order error: 0.1 rad/s^2 x 1 km x dt^2 / 2.
-  EXPECT_LE(ResidualOf(late, Truth(1.0, 4.0, kOffset_s)).norm(), 2e-4);
+  EXPECT_LE(EvaluateResidual(late, Truth(1.0, 4.0, kOffset_s)).norm(), 2e-4);
 }
 
 // A common translation of both nodes at unchanged velocities must change the residual only through
@@ -144,10 +144,10 @@ TEST_F(PointPair, TimeOffsetMovesThePointAlongItsPath) {
 TEST_F(PointPair, CommonTranslationCancels) {
   const PointToPoint factor = Factor(1.0, 1.3, 4.0, 4.2);
   std::vector<VectorXd> x = Truth(1.0, 4.0);
-  const Vector3d before = ResidualOf(factor, x);
+  const Vector3d before = EvaluateResidual(factor, x);
   x[1] += Vector3d(5.0, -3.0, 2.0);
   x[4] += Vector3d(5.0, -3.0, 2.0);
-  EXPECT_LE((ResidualOf(factor, x) - before).norm(), 1e-6);
+  EXPECT_LE((EvaluateResidual(factor, x) - before).norm(), 1e-6);
 }
 
 TEST_F(PointPair, PointsAreTheGroundPoint) {

@@ -121,7 +121,7 @@ void CheckPairs(const fs::path& folder) {
 void CheckPoints(const StripCloud& points) {
   Require(!points.p_c.empty(), "a chunk has points");
   for (const Eigen::Vector3d& p_c : points.p_c) Require(p_c.allFinite(), "coordinates are finite");
-  for (const double t_s : points.t_s) Require(IsSecondsOfWeek(t_s), "times are seconds of week");
+  for (const double t_s : points.t_s) Require(IsWeekSeconds(t_s), "times are seconds of week");
   for (const Eigen::Vector3d& u_s : points.u_s) {
     Require(u_s.allFinite() && u_s.norm() > 0.0, "laser vectors are not zero");
   }

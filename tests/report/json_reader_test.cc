@@ -28,7 +28,7 @@ std::string Refusal(const std::function<void()>& read) {
   return "read";
 }
 
-std::string RefusalOf(const std::string& text, const JsonLimits& limits = {}) {
+std::string ReadRefusal(const std::string& text, const JsonLimits& limits = {}) {
   return Refusal([&] { ParseJson(text, "x.json", limits); });
 }
 
@@ -42,40 +42,40 @@ TEST(JsonReader, ReadsWhatIsWritten) {
 }
 
 TEST(JsonReader, NamesLineAndColumnOfWhatIsNoJson) {
-  EXPECT_EQ(RefusalOf(""), "this is not JSON (x.json:1:1)");
-  EXPECT_EQ(RefusalOf("{\"a\": 1,\n \"b\": x}"), "this is not JSON (x.json:2:7)");
-  EXPECT_EQ(RefusalOf("[1, 1e999]"), "a number is too large for JSON (x.json:1:9)");
+  EXPECT_EQ(ReadRefusal(""), "this is not JSON (x.json:1:1)");
+  EXPECT_EQ(ReadRefusal("{\"a\": 1,\n \"b\": x}"), "this is not JSON (x.json:2:7)");
+  EXPECT_EQ(ReadRefusal("[1, 1e999]"), "a number is too large for JSON (x.json:1:9)");
   for (const std::string text :
        {"[1, 2", "[1] 2", "nan", "{'a': 1}", "[1,]", "\"\xff\"", "[\x01]"}) {
-    EXPECT_THAT(RefusalOf(text), HasSubstr("this is not JSON (x.json:1:")) << text;
+    EXPECT_THAT(ReadRefusal(text), HasSubstr("this is not JSON (x.json:1:")) << text;
   }
 }
 
 TEST(JsonReader, NestingIsBounded) {
   const JsonLimits limits;
   const auto nested = [](std::size_t depth) { return Repeated("[", depth) + Repeated("]", depth); };
-  EXPECT_EQ(RefusalOf(nested(limits.depth)), "read");
-  EXPECT_THAT(RefusalOf(nested(limits.depth + 1)), HasSubstr("nested deeper than 64 levels"));
+  EXPECT_EQ(ReadRefusal(nested(limits.depth)), "read");
+  EXPECT_THAT(ReadRefusal(nested(limits.depth + 1)), HasSubstr("nested deeper than 64 levels"));
   for (const char* open : {"[", "{\"a\":", "[{\"a\":", "[[],"}) {
-    EXPECT_THAT(RefusalOf(Repeated(open, 1'000'000)), HasSubstr("nested deeper")) << open;
+    EXPECT_THAT(ReadRefusal(Repeated(open, 1'000'000)), HasSubstr("nested deeper")) << open;
   }
 }
 
 TEST(JsonReader, BytesValuesAndKeysAreBounded) {
   JsonLimits limits;
   limits.values = 5;
-  EXPECT_EQ(RefusalOf("[1, 2, 3, 4]", limits), "read");
-  EXPECT_EQ(RefusalOf("{\"a/b\": [1, 2, 3, 4]}", limits), "/a~1b: more than 5 values (x.json)");
-  EXPECT_EQ(RefusalOf("[{\"a/b\": [1, 2, 3]}]", limits), "/0/a~1b: more than 5 values (x.json)");
+  EXPECT_EQ(ReadRefusal("[1, 2, 3, 4]", limits), "read");
+  EXPECT_EQ(ReadRefusal("{\"a/b\": [1, 2, 3, 4]}", limits), "/a~1b: more than 5 values (x.json)");
+  EXPECT_EQ(ReadRefusal("[{\"a/b\": [1, 2, 3]}]", limits), "/0/a~1b: more than 5 values (x.json)");
   limits.keys = 1;
-  EXPECT_EQ(RefusalOf("[0, {\"a\": 1, \"b\": 2}]", limits), "/1: more than 1 keys (x.json)");
+  EXPECT_EQ(ReadRefusal("[0, {\"a\": 1, \"b\": 2}]", limits), "/1: more than 1 keys (x.json)");
   limits.bytes = 3;
-  EXPECT_EQ(RefusalOf("[1, 2]", limits), "JSON of 6 bytes; at most 3 are read (x.json)");
+  EXPECT_EQ(ReadRefusal("[1, 2]", limits), "JSON of 6 bytes; at most 3 are read (x.json)");
 }
 
 TEST(JsonReader, AKeyIsThereOnce) {
-  EXPECT_EQ(RefusalOf("{\"a\": 1, \"b\": 1, \"a\": 2}"), "the key 'a' is there twice (x.json)");
-  EXPECT_EQ(RefusalOf("{\"a\": {\"b\": 1}, \"b\": 1}"), "read");
+  EXPECT_EQ(ReadRefusal("{\"a\": 1, \"b\": 1, \"a\": 2}"), "the key 'a' is there twice (x.json)");
+  EXPECT_EQ(ReadRefusal("{\"a\": {\"b\": 1}, \"b\": 1}"), "read");
 }
 
 TEST(JsonReader, AnObjectOfManyKeysTakesNoSquareOfThem) {
@@ -83,7 +83,7 @@ TEST(JsonReader, AnObjectOfManyKeysTakesNoSquareOfThem) {
   JsonLimits limits;
   limits.keys = 300'000;
   for (std::size_t k = 0; k < limits.keys; ++k) text += "\"" + std::to_string(k) + "\":0,";
-  EXPECT_EQ(RefusalOf(text + "\"\":0}", limits), "more than 300000 keys (x.json)");
+  EXPECT_EQ(ReadRefusal(text + "\"\":0}", limits), "more than 300000 keys (x.json)");
 }
 
 TEST(JsonPlace, ReadsKindsWithinTheirRanges) {

@@ -9,7 +9,7 @@
 namespace dn::blas_test {
 
 /// Returns the shared library from which this process takes a function.
-std::string LibraryOf(const char* function) {
+std::string FindLibrary(const char* function) {
   void* address = dlsym(RTLD_DEFAULT, function);
   Dl_info info{};
   if (address == nullptr || dladdr(address, &info) == 0) return "";
@@ -19,8 +19,8 @@ std::string LibraryOf(const char* function) {
 // Debian's Ceres pulls in ATLAS, with which CHOLMOD is about twice as slow.
 TEST(Blas, CholmodsKernelsComeFromOpenBlas) {
   for (const char* function : {"dgemm_", "dsyrk_", "dtrsm_", "dsymm_"}) {
-    EXPECT_NE(LibraryOf(function).find("openblas"), std::string::npos)
-        << function << " is found in '" << LibraryOf(function) << "'";
+    EXPECT_NE(FindLibrary(function).find("openblas"), std::string::npos)
+        << function << " is found in '" << FindLibrary(function) << "'";
   }
 }
 

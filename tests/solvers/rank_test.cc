@@ -56,7 +56,7 @@ Combination See(const Eigen::Vector3d& k, double sigma = 1.0) {
   return f;
 }
 
-std::string MessageOf(const Network& network) {
+std::string CatchMessage(const Network& network) {
   try {
     const Marginals marginals(network);
   } catch (const RankDeficient& error) {
@@ -78,7 +78,7 @@ TEST(Rank, NamesTheInseparableAngles) {
   net.Add(See({1, 0, 0}), x);
   net.Add(See({0, 1, 1}, 1e-4), x);
   net.Add(See({0, 2, 2}, 1e-3), x);
-  EXPECT_THAT(MessageOf(net),
+  EXPECT_THAT(CatchMessage(net),
               AllOf(HasSubstr("leave 1 direction"), HasSubstr("boresight pitch (0.71)"),
                     HasSubstr("boresight yaw (0.71)"), Not(HasSubstr("roll")),
                     HasSubstr("give these unknowns a prior")));
@@ -89,7 +89,7 @@ TEST(Rank, NamesAComponentOnWhichNothingDepends) {
   const auto x = net.AddVector<3>("scale factors", Eigen::Vector3d::Zero());
   net.Add(See({1, 0, 0}), x);
   net.Add(See({1, 0, 1}), x);
-  EXPECT_THAT(MessageOf(net), HasSubstr("scale factors[1] (1.00)"));
+  EXPECT_THAT(CatchMessage(net), HasSubstr("scale factors[1] (1.00)"));
 }
 
 // Names the gauge freedom of a free chain, by component and with its epochs.
@@ -102,10 +102,10 @@ TEST(Rank, NamesTheGaugeOfAChainOverTime) {
     if (i > 0) net.Add(Difference{}, x[x.size() - 2], x.back());
   }
   net.Add(See({0, 0, 1}, 0.01), x[3]);
-  EXPECT_THAT(MessageOf(net), AllOf(HasSubstr("leave 2 directions"),
-                                    HasSubstr("position east, 381000.0..381195.0 s (1.00)"),
-                                    HasSubstr("position north, 381000.0..381195.0 s (1.00)"),
-                                    Not(HasSubstr("position up"))));
+  EXPECT_THAT(CatchMessage(net), AllOf(HasSubstr("leave 2 directions"),
+                                       HasSubstr("position east, 381000.0..381195.0 s (1.00)"),
+                                       HasSubstr("position north, 381000.0..381195.0 s (1.00)"),
+                                       Not(HasSubstr("position up"))));
 }
 
 // Names only the disconnected part of the flight.
@@ -118,17 +118,17 @@ TEST(Rank, NamesTheEpochsThatAreCutOff) {
     if (i > 0 && i != 30) net.Add(Difference{}, x[x.size() - 2], x.back());
   }
   net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 0.02), x[0]);
-  EXPECT_THAT(MessageOf(net), AllOf(HasSubstr("leave 3 directions"),
-                                    HasSubstr("position up, 130.0..139.0 s (1.00)")));
+  EXPECT_THAT(CatchMessage(net), AllOf(HasSubstr("leave 3 directions"),
+                                       HasSubstr("position up, 130.0..139.0 s (1.00)")));
 }
 
 TEST(Rank, AFreePoseGraphHasSixDirections) {
   PoseGraph graph = MakePoseGraph(3, {.nodes = 25, .anchored = false});
-  EXPECT_THAT(MessageOf(graph.network), HasSubstr("leave 6 directions"));
+  EXPECT_THAT(CatchMessage(graph.network), HasSubstr("leave 6 directions"));
   graph.network.Hold(graph.p_mb[4]);
-  EXPECT_THAT(MessageOf(graph.network), HasSubstr("leave 3 directions"));
+  EXPECT_THAT(CatchMessage(graph.network), HasSubstr("leave 3 directions"));
   graph.network.Hold(graph.q_mb[9]);
-  EXPECT_EQ(MessageOf(graph.network), "no exception");
+  EXPECT_EQ(CatchMessage(graph.network), "no exception");
 }
 
 TEST(Rank, NamesBlocksOfAUsersOwnKind) {
@@ -138,7 +138,7 @@ TEST(Rank, NamesBlocksOfAUsersOwnKind) {
   net.Add(See({1, 0, 0}), a);
   net.Add(See({0, 0, 1}), a);
   net.Add(Sum{}, a, b);
-  EXPECT_THAT(MessageOf(net),
+  EXPECT_THAT(CatchMessage(net),
               AllOf(HasSubstr("mount[1] (0.71)"), HasSubstr("range offset (0.71)")));
 }
 
@@ -148,7 +148,7 @@ TEST(Rank, MoreFreeDirectionsThanAreExamined) {
     const auto x = net.AddVector<3>("x/" + std::to_string(i), Eigen::Vector3d::Zero());
     net.Add(See({0, 1, 0}), x);
   }
-  EXPECT_THAT(MessageOf(net), AllOf(HasSubstr("at least 8 directions"), HasSubstr("...")));
+  EXPECT_THAT(CatchMessage(net), AllOf(HasSubstr("at least 8 directions"), HasSubstr("...")));
 }
 
 // A direction with 1e-12 of the other information is weak but determined. A hand calculation gives

@@ -43,7 +43,7 @@ TEST(Sweep, IsEveryCombination) {
   EXPECT_THAT(sweep.Labels(1), ElementsAre("good", "100"));
   EXPECT_THAT(sweep.Labels(3), ElementsAre("good", "300"));
   EXPECT_THAT(sweep.Labels(4), ElementsAre("poor", "100"));
-  const Scenario scenario = sweep.ScenarioOf(5);
+  const Scenario scenario = sweep.DesignScenario(5);
   EXPECT_EQ(scenario.pairs.count, 200);
   EXPECT_DOUBLE_EQ(scenario.gnss.sigma_enu_m.z(), 0.2);
   EXPECT_DOUBLE_EQ(scenario.lidar.fov_rad, TwoStrips().lidar.fov_rad);
@@ -54,8 +54,8 @@ TEST(Sweep, IsEveryCombination) {
 TEST(Sweep, WhatIsFreeMayBeSwept) {
   const SmallSweep small;
   const Sweep sweep = small.Parse("  estimate: [[], [gnss_lever_arm, lidar_time_offset]]\n");
-  EXPECT_EQ(sweep.EstimateOf(1), "");
-  EXPECT_EQ(sweep.EstimateOf(2), "gnss_lever_arm, lidar_time_offset");
+  EXPECT_EQ(sweep.DesignEstimate(1), "");
+  EXPECT_EQ(sweep.DesignEstimate(2), "gnss_lever_arm, lidar_time_offset");
 }
 
 TEST(Sweep, RefusesWhatIsNone) {

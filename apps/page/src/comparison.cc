@@ -14,7 +14,7 @@ namespace {
 // Significance level of three sigma, chosen as in the comparison of two methods.
 constexpr double kSignificantDifference = 0.0027;
 
-BoresightResult ResultOf(const Facts& result) {
+BoresightResult ReadBoresight(const Facts& result) {
   BoresightResult out;
   out.angles_rad = result["boresight"]["angles_deg"].vector3() * kRadPerDeg;
   out.covariance_rad2 =
@@ -34,13 +34,13 @@ struct Difference {
 };
 
 Difference Between(const Facts& a, const Facts& b) {
-  if (AreOneFlight(a, b)) return {Compare(ResultOf(a), ResultOf(b)), "of nested data"};
+  if (AreOneFlight(a, b)) return {Compare(ReadBoresight(a), ReadBoresight(b)), "of nested data"};
   if (AreOneFlight(b, a)) {
-    Difference difference{Compare(ResultOf(b), ResultOf(a)), "of nested data"};
+    Difference difference{Compare(ReadBoresight(b), ReadBoresight(a)), "of nested data"};
     difference.values.difference_rad = -difference.values.difference_rad;
     return difference;
   }
-  return {CompareIndependent(ResultOf(a), ResultOf(b)), "independent"};
+  return {CompareIndependent(ReadBoresight(a), ReadBoresight(b)), "independent"};
 }
 
 }  // namespace

@@ -115,18 +115,18 @@ Eigen::Matrix3d Facts::matrix3() const {
   return matrix;
 }
 
-Cell Facts::CellOf(Number::Style style, int digits, double scale) const {
+Cell Facts::MakeCell(Number::Style style, int digits, double scale) const {
   if (json_ != nullptr && json_->is_boolean()) return Text(flag() ? "yes" : "no");
   const double value = number();
   return {Number{value, digits, style, scale, std::isnan(value) ? "" : source_}};
 }
 
 Cell Facts::Significant(int digits, double scale) const {
-  return CellOf(Number::Style::kSignificant, digits, scale);
+  return MakeCell(Number::Style::kSignificant, digits, scale);
 }
 
 Cell Facts::Decimals(int digits, double scale) const {
-  return CellOf(Number::Style::kDecimals, digits, scale);
+  return MakeCell(Number::Style::kDecimals, digits, scale);
 }
 
 Cell Text(std::string text, Tone tone) { return {std::move(text), tone}; }

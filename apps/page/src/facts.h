@@ -43,7 +43,7 @@ class Facts {
  private:
   Facts At(const Json* json, const std::string& key) const;
   void Take(std::size_t rows) const;
-  Cell CellOf(Number::Style style, int digits, double scale) const;
+  Cell MakeCell(Number::Style style, int digits, double scale) const;
 
   std::string source_;  // file#/pointer
   std::shared_ptr<const Json> root_;

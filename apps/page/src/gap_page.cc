@@ -101,7 +101,7 @@ Section Causes(const Facts& gap) {
                           cause["log_evidence"].Decimals(1)};
     for (const Cell& cell : Three(cause["boresight_damage_mdeg"], 2)) row.push_back(cell);
     row.push_back(cause["absorbed_fraction"].Decimals(2));
-    row.push_back(Text(SizeOf(cause)));
+    row.push_back(Text(EffectSize(cause)));
     table.rows.push_back(std::move(row));
   }
   if (table.rows.empty()) return section;

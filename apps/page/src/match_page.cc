@@ -23,7 +23,7 @@ struct CountStripPairs {
   TextTable pairs;
 };
 
-std::string StripsOf(const Facts& of) {
+std::string StripsText(const Facts& of) {
   return of["strips"][0].text() + "-" + of["strips"][1].text();
 }
 
@@ -75,7 +75,7 @@ Table StagesTable(const Facts& match) {
   for (const Facts& of : match["strip_pairs"].elements()) {
     const Facts counts = of["counts"];
     table.rows.push_back(
-        Row(StripsOf(of),
+        Row(StripsText(of),
             {of["overlap_m2"].Decimals(0), counts["candidates"].Count(), counts["found"].Count(),
              counts["registered"].Count(), counts["pairs"].Count(), of["evenness"].Decimals(2),
              of["sigma_3d_median_m"].Decimals(3)}));
@@ -99,7 +99,7 @@ Table MisalignmentTable(const Facts& match) {
       for (const Cell& cell : Three(apart["mean_enu_m"], 3)) row.push_back(cell);
       row.push_back(apart["heading_deg"].Decimals(0));
       row.push_back(apart["same_direction"].Decimals(2));
-      table.rows.push_back(Row(StripsOf(of), std::move(row)));
+      table.rows.push_back(Row(StripsText(of), std::move(row)));
     }
   }
   return table;
@@ -113,7 +113,7 @@ Section MatchSeparation(const Facts& match) {
         {strips, "after one alignment of all strips", misalignment["after"]["separation"]});
   };
   for (const Facts& of : match["strip_pairs"].elements()) {
-    add(StripsOf(of), of["misalignment"]);
+    add(StripsText(of), of["misalignment"]);
   }
   add("all", match["misalignment"]);
   return SeparationSection(separations);

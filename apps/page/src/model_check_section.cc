@@ -43,7 +43,7 @@ std::vector<Cell> EffectRow(const Facts& effect) {
   std::vector<Cell> cells{Text(effect["effect"].text()), effect["p_value"].Significant(2),
                           effect["log_evidence"].Decimals(1)};
   for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) cells.push_back(cell);
-  cells.push_back(Text(SizeOf(effect)));
+  cells.push_back(Text(EffectSize(effect)));
   return cells;
 }
 
@@ -106,7 +106,7 @@ Table Clocks(const Facts& clocks) {
 
 }  // namespace
 
-std::string SizeOf(const Facts& effect) {
+std::string EffectSize(const Facts& effect) {
   const EffectSpec* spec = FindEffect(effect["effect"].text());
   std::string text;
   for (std::size_t k = 0; k < effect["estimate"].elements().size(); ++k) {

@@ -33,17 +33,17 @@ bool ResultFolder::Has(const std::string& name) const {
 Facts ResultFolder::Read(const std::string& name) const {
   if (!Has(name)) return {name, Json()};
   Json json = Json::parse(Text(name), nullptr, false);
-  if (json.is_discarded()) throw InvalidInput("not a JSON file", {PathOf(name).string()});
+  if (json.is_discarded()) throw InvalidInput("not a JSON file", {FilePath(name).string()});
   return {name, std::move(json)};
 }
 
 std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::size_t columns) const {
   if (!Has(name)) return std::nullopt;
-  return ReadTextTable(PathOf(name), {columns});
+  return ReadTextTable(FilePath(name), {columns});
 }
 
 std::string ResultFolder::Text(const std::string& name) const {
-  return Has(name) ? ReadWholeFile(PathOf(name), kMostTextBytes) : "";
+  return Has(name) ? ReadWholeFile(FilePath(name), kMostTextBytes) : "";
 }
 
 std::optional<FlightConfig> ResultFolder::Config() const {

@@ -28,7 +28,7 @@ class ResultFolder {
   std::optional<TextTable> Numbers(const std::string& name, std::size_t columns) const;
   /// Reads a text file; returns "" if it is absent.
   std::string Text(const std::string& name) const;
-  std::filesystem::path PathOf(const std::string& name) const { return folder_ / name; }
+  std::filesystem::path FilePath(const std::string& name) const { return folder_ / name; }
   /// Returns the flight of config.resolved.yaml; nullopt if the file does not describe a flight.
   std::optional<FlightConfig> Config() const;
 

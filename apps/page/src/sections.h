@@ -54,7 +54,7 @@ Section TrajectorySection(const ResultFolder& folder);
 Section BiasSection(const ResultFolder& folder);
 
 /// Returns the value of an effect with its sigma, in the units of the table of effects.
-std::string SizeOf(const Facts& effect);
+std::string EffectSize(const Facts& effect);
 
 /// Returns the decisive reasons, and how many more there are. ModelCheckSection has all findings.
 std::vector<std::string> FirstReasons(const Facts& assessment);

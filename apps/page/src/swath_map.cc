@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMaxPlaces = 1800;
 constexpr double kOfAll = 0.98;  // share of the pairs inside the scale of colours
 
-double QuantileOf(std::vector<double> values, double share) {
+double ValueAtShare(std::vector<double> values, double share) {
   const auto at =
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
@@ -50,8 +50,8 @@ void PlacedPairs::Add(double east, double north, double before, double after) {
 std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pairs) {
   if (pairs.east_m.empty()) return {};
   std::vector<MapChart> maps;
-  const double low_m = QuantileOf(pairs.after_m, 1.0 - kOfAll);
-  const double high_m = std::max(QuantileOf(pairs.before_m, kOfAll), 2.0 * low_m);
+  const double low_m = ValueAtShare(pairs.after_m, 1.0 - kOfAll);
+  const double high_m = std::max(ValueAtShare(pairs.before_m, kOfAll), 2.0 * low_m);
   for (const auto& [when, apart_m] :
        {std::pair("before", &pairs.before_m), {"after", &pairs.after_m}}) {
     MapChart map = SwathMap(folder, std::string("Where the pairs lie, ") + when);

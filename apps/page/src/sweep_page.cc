@@ -12,7 +12,7 @@ constexpr std::size_t kMostKeys = 30;
 
 double Largest(const Facts& design) { return design["sigma_deg"].vector3().maxCoeff(); }
 
-std::string NameOf(const Facts& design) {
+std::string DesignName(const Facts& design) {
   std::string name;
   for (const std::string& label : design["labels"].texts()) {
     name += (name.empty() ? "" : ", ") + label;
@@ -34,7 +34,7 @@ Headline SweepHeadline(const std::vector<Facts>& designs, std::size_t all) {
   headline.word = std::to_string(all) + " designs";
   headline.tone = designs.empty() ? Tone::kBad : Tone::kPlain;
   headline.answer = std::to_string(designs.size()) + " of them would determine the boresight." +
-                    (designs.empty() ? "" : " The best: " + NameOf(designs.front()));
+                    (designs.empty() ? "" : " The best: " + DesignName(designs.front()));
   if (designs.empty()) return headline;
   const Facts sigma = designs.front()["sigma_deg"];
   headline.figures = {Table{
@@ -75,7 +75,7 @@ Section Designs(const Facts& sweep, const std::vector<Facts>& designs) {
     std::vector<Cell> row;
     for (const std::string& label : design["labels"].texts()) row.push_back(Text(label));
     for (std::size_t k = 0; k < 3; ++k) {
-      chart.bars.push_back({NameOf(design), kBoresightAngles[k],
+      chart.bars.push_back({DesignName(design), kBoresightAngles[k],
                             1e3 * design["sigma_deg"][k].number(), kNone, kNone});
       row.push_back(design["sigma_deg"][k].Decimals(2, 1e3));
     }
@@ -96,7 +96,7 @@ Section Failures(const Facts& sweep) {
   for (const Facts& design : sweep["designs"].elements()) {
     const std::string why = design["singular"].text();
     if (why.empty() || table.rows.size() == kMostDesigns) continue;
-    table.rows.push_back(Row(NameOf(design), {Text(why)}));
+    table.rows.push_back(Row(DesignName(design), {Text(why)}));
   }
   if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
   return section;

@@ -15,17 +15,19 @@ constexpr std::size_t kSeparationColumns = 7;
 constexpr double kMapSpacingS = 0.5;
 
 /// Returns the poses of trajectory.out in the mapping frame of the flight, thinned.
-std::vector<MapPose> PathOf(const ResultFolder& folder, const FlightConfig& config) {
+std::vector<MapPose> PathColumns(const ResultFolder& folder, const FlightConfig& config) {
   if (!folder.Has("trajectory.out") || !config.origin) return {};
   const LocalFrame frame(*config.origin);
   std::vector<MapPose> path;
-  for (const NavPoint& point : ReadSbetThinned(folder.PathOf("trajectory.out"), kMapSpacingS)) {
+  for (const NavPoint& point :
+       ReadSbetThinned(folder.PathColumns("trajectory.out"), kMapSpacingS)) {
     path.push_back(ToMapPose(point, frame));
   }
   return path;
 }
 
-Curve LineOf(const std::string& label, const std::vector<MapPose>& path, double t0_s, double t1_s) {
+Curve PathLine(const std::string& label, const std::vector<MapPose>& path, double t0_s,
+               double t1_s) {
   Curve line{label, {}, {}};
   for (const MapPose& pose : path) {
     if (pose.t_s < t0_s || pose.t_s > t1_s) continue;
@@ -38,12 +40,12 @@ Curve LineOf(const std::string& label, const std::vector<MapPose>& path, double 
 void AddMap(const ResultFolder& folder, Section* section) {
   const std::optional<FlightConfig> config = folder.Config();
   if (!config) return;
-  const std::vector<MapPose> path = PathOf(folder, *config);
+  const std::vector<MapPose> path = PathColumns(folder, *config);
   if (path.empty()) return;
   MapChart map{"Path of the flight", {}};
-  map.lines.push_back(LineOf("path", path, path.front().t_s, path.back().t_s));
+  map.lines.push_back(PathLine("path", path, path.front().t_s, path.back().t_s));
   for (const StripInterval& strip : config->strips) {
-    map.lines.push_back(LineOf("strip " + strip.name, path, strip.t0_s, strip.t1_s));
+    map.lines.push_back(PathLine("strip " + strip.name, path, strip.t0_s, strip.t1_s));
   }
   section->contents.emplace_back(Chart{std::move(map)});
 }

@@ -69,7 +69,7 @@ long MakeTimesContinuous(const RecordFormat<N>& format, const FileLocation& wher
   for (std::size_t i = 0; i < all; ++i) {
     if (n != i) kept[n] = kept[i];
     try {
-      CheckSecondsOfWeek(kept[n][0], where);
+      CheckWeekSeconds(kept[n][0], where);
     } catch (const InvalidInput& e) {
       throw InvalidInput(name + RecordName(i) + ": " + e.what(), where);
     }

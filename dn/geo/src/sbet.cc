@@ -43,7 +43,7 @@ bool HasLidarMark(const std::vector<SbetRecord>& records) {
                      [](const SbetRecord& c) { return c[10] == 0.0 && std::signbit(c[10]); });
 }
 
-NavPoint PointOfRecord(const SbetRecord& c) {
+NavPoint RecordPoint(const SbetRecord& c) {
   NavPoint point;
   point.t_s = c[0];
   point.position = {c[1], c[2], c[3]};
@@ -143,7 +143,7 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
   const std::vector<SbetRecord> records = ReadRecords(file, &notes);
   std::vector<NavPoint> points;
   points.reserve(records.size());
-  for (const SbetRecord& record : records) points.push_back(PointOfRecord(record));
+  for (const SbetRecord& record : records) points.push_back(RecordPoint(record));
   SettleVelocities(records, points, notes);
   return Trajectory(std::move(points), std::move(notes));
 }
@@ -155,7 +155,7 @@ std::vector<NavPoint> ReadSbetThinned(const std::filesystem::path& file, double 
   std::vector<NavPoint> path;
   for (const internal::SbetRecord& record : internal::ReadRecords(file, &notes)) {
     if (!path.empty() && record[0] < path.back().t_s + min_spacing_s) continue;
-    path.push_back(internal::PointOfRecord(record));
+    path.push_back(internal::RecordPoint(record));
   }
   return path;
 }

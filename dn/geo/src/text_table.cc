@@ -36,7 +36,7 @@ std::optional<double> PlainNumber(std::string_view text) {
   return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-std::string ListOfNumbers(const std::vector<std::size_t>& numbers) {
+std::string NumberList(const std::vector<std::size_t>& numbers) {
   std::string list;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (i > 0) list += i + 1 == numbers.size() ? " or " : ", ";
@@ -116,7 +116,7 @@ class RowParser {
                                allowed_columns_.end();
       if (!allowed) {
         throw InvalidInput("row has " + std::to_string(columns) + " columns, must have " +
-                               ListOfNumbers(allowed_columns_),
+                               NumberList(allowed_columns_),
                            where);
       }
       table_.columns = columns;
@@ -204,8 +204,7 @@ long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep, dou
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double* row = table.values.data() + i * table.columns;
     row[0] -= time_offset_s;
-    if (!IsSecondsOfWeek(row[0]))
-      CheckSecondsOfWeek(row[0], {table.file.string(), table.lines[i], 1});
+    if (!IsWeekSeconds(row[0])) CheckWeekSeconds(row[0], {table.file.string(), table.lines[i], 1});
     switch (times.Next(row, table.columns)) {
       case Verdict::kKeep:
         keep.push_back(i);

@@ -20,7 +20,7 @@ Matrix6d Units(double attitude) {
   return units.asDiagonal();
 }
 
-std::size_t RowOf(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
+std::size_t FormatRow(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
 
 [[noreturn]] void Fail(const std::string& what, const TextTable& table, std::size_t row) {
   throw InvalidInput(what + "; write the file again with dn smooth, or remove it",
@@ -30,12 +30,12 @@ std::size_t RowOf(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
 TrajectoryCovariance ReadEpochs(const TextTable& table) {
   const auto T = static_cast<std::size_t>(
       std::lround(0.5 * (std::sqrt(8.0 * static_cast<double>(table.rows()) + 1.0) - 1.0)));
-  if (RowOf(T, 0) != table.rows()) {
+  if (FormatRow(T, 0) != table.rows()) {
     Fail("rows are missing: each pair of epochs needs one row", table, table.rows() - 1);
   }
   TrajectoryCovariance out;
   for (std::size_t i = 0; i < T; ++i) {
-    const std::size_t row = RowOf(i, i);
+    const std::size_t row = FormatRow(i, i);
     const double t_s = table.row(row)[0], strip = table.row(row)[1];
     if (!(strip >= 0.0 && strip < kStripNumbers && strip == std::floor(strip))) {
       Fail("the strip is not an integer of at least 0", table, row);
@@ -50,7 +50,7 @@ TrajectoryCovariance ReadEpochs(const TextTable& table) {
 }
 
 void ReadBlock(const TextTable& table, std::size_t i, std::size_t j, TrajectoryCovariance* out) {
-  const std::size_t row = RowOf(i, j);
+  const std::size_t row = FormatRow(i, j);
   const double* values = table.row(row);
   if (values[0] != out->t_s[i] || values[1] != out->strip[i] || values[2] != out->t_s[j] ||
       values[3] != out->strip[j]) {

@@ -43,7 +43,7 @@ struct Unit {
 constexpr std::array<Unit, 3> kUnits{
     {{1e3, "milliseconds", "1000"}, {1e6, "microseconds", "1e6"}, {1e9, "nanoseconds", "1e9"}}};
 
-const char* LookOf(double t_s) {
+const char* TimeAppearance(double t_s) {
   if (t_s < 0.0) return "is this column the time?";
   for (const Look& look : kLooks) {
     if (t_s < look.limit) return look.hint;
@@ -53,12 +53,12 @@ const char* LookOf(double t_s) {
 
 }  // namespace
 
-void CheckSecondsOfWeek(double t_s, const FileLocation& where) {
-  if (IsSecondsOfWeek(t_s)) return;
+void CheckWeekSeconds(double t_s, const FileLocation& where) {
+  if (IsWeekSeconds(t_s)) return;
   throw InvalidInput("time " + FormatDouble(t_s) +
                          " cannot be GPS seconds of week, which lie between 0 and 604800 s (more "
                          "after the end of a week): " +
-                         LookOf(t_s),
+                         TimeAppearance(t_s),
                      where);
 }
 

@@ -17,7 +17,7 @@ std::string Shown(const std::string& text) {
   return plain.size() > kMostShown ? plain.substr(0, kMostShown) + "..." : plain;
 }
 
-FileLocation LocationOf(std::string_view text, std::size_t position, const std::string& file) {
+FileLocation FindLocation(std::string_view text, std::size_t position, const std::string& file) {
   const std::string_view before = text.substr(0, std::min(position, text.size()));
   const std::size_t line_begin = before.rfind('\n') + 1;  // 0 where there is none
   return {file, 1 + static_cast<long>(std::count(before.begin(), before.end(), '\n')),
@@ -58,7 +58,7 @@ class TreeBuilder {
   bool parse_error(std::size_t position, const std::string& /*token*/, const Error& error) {
     const bool range = error.id == kNumberOverflow;
     throw InvalidInput(range ? "a number is too large for JSON" : "this is not JSON",
-                       LocationOf(text_, position, file_));
+                       FindLocation(text_, position, file_));
   }
 
  private:

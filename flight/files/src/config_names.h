@@ -31,7 +31,7 @@ const Words<NetworkConfig::Inertial>& InertialWords();
 
 /// Returns the word for a value; empty if no word has this value.
 template <class T>
-std::string WordOf(const T& value, const Words<T>& words) {
+std::string FindWord(const T& value, const Words<T>& words) {
   for (const auto& [word, meaning] : words) {
     if (meaning == value) return word;
   }

@@ -43,7 +43,7 @@ constexpr double kLeapSeconds_s = 18.0;
 constexpr double kLeastUnix_s = 1.6e9;
 
 double TimeOffset(double t_s) {
-  if (IsSecondsOfWeek(t_s) || t_s < 3e8 || t_s > 3e9) return 0.0;
+  if (IsWeekSeconds(t_s) || t_s < 3e8 || t_s > 3e9) return 0.0;
   const double since_1970_s = t_s >= kLeastUnix_s ? kUnixBeforeGps_s - kLeapSeconds_s : 0.0;
   return since_1970_s + kWeekS * std::floor((t_s - since_1970_s) / kWeekS);
 }
@@ -66,7 +66,7 @@ bool EveryRow(const TextTable& table, const Test& test) {
   return true;
 }
 
-bool IsTime(double t_s) { return IsSecondsOfWeek(t_s) || TimeOffset(t_s) != 0.0; }
+bool IsTime(double t_s) { return IsWeekSeconds(t_s) || TimeOffset(t_s) != 0.0; }
 
 bool IsPairs(const TextTable& table) {
   if (table.columns != 8 && table.columns != 14) return false;
@@ -177,10 +177,10 @@ void DescribeBinary(const std::string& beginning, std::uintmax_t size, FileConte
   content->why = "binary, but neither an SBET nor an smrmsg file";
   if (beginning.size() < 8 * kSbetValues) return;
   constexpr double kPi = std::numbers::pi;
-  if (size % (8 * kSbetValues) == 0 && IsSecondsOfWeek(value(0)) && small(1, kPi / 2) &&
+  if (size % (8 * kSbetValues) == 0 && IsWeekSeconds(value(0)) && small(1, kPi / 2) &&
       small(2, 2 * kPi) && small(3, 1e5) && small(7, kPi) && small(8, kPi)) {
     content->kind = FileKind::kTrajectory;
-  } else if (size % (8 * kSmrmsgValues) == 0 && IsSecondsOfWeek(value(0)) && small(1, 1e4)) {
+  } else if (size % (8 * kSmrmsgValues) == 0 && IsWeekSeconds(value(0)) && small(1, 1e4)) {
     content->kind = FileKind::kSmrmsg;
   }
   const std::string extension = content->file.extension().string();

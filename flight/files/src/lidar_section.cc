@@ -34,7 +34,7 @@ PairSelection ReadSelection(const YamlValue& section) {
   }
   const auto need = [&](Strategy strategy, bool given, const char* key) {
     if (selection.strategy == strategy && !given) {
-      section[key].Fail("is required by strategy " + WordOf(strategy, StrategyWords()));
+      section[key].Fail("is required by strategy " + FindWord(strategy, StrategyWords()));
     }
   };
   need(Strategy::kMax, selection.count.has_value(), "count");

@@ -35,7 +35,7 @@ std::string CrsName(const StripCrs& said) {
 
 }  // namespace
 
-StripGeoreferencing GeoreferencingOf(const FlightConfig& config) {
+StripGeoreferencing StripsGeoreferencing(const FlightConfig& config) {
   return {config.lidar->mounting, config.lidar->georeferenced_with_rad};
 }
 

@@ -78,7 +78,7 @@ const char* Word(BlindContent content) {
   return "";
 }
 
-BlindContent ContentOf(const std::string& word) {
+BlindContent RecordContent(const std::string& word) {
   for (const BlindContent content :
        {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
         BlindContent::kUnlistedEffect, BlindContent::kLeftOut}) {

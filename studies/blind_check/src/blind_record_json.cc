@@ -161,7 +161,7 @@ BlindRecord BlindRecordFromJson(const JsonPlace& json) {
   record.seed = json.At("seed").Unsigned();
   record.base = json.At("base").Text();
   try {
-    record.content = ContentOf(json.At("content").Text());
+    record.content = RecordContent(json.At("content").Text());
   } catch (const InvalidInput&) {
     json.At("content").Fail("is not a word for what a flight contains");
   }

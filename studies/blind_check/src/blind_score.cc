@@ -108,7 +108,7 @@ void ScoreOne(const BlindRecord& record, BlindScore* score, Samples* samples) {
   Count(diagnosis.detected, named, with_group,
         &Entry(effect, &EffectScore::effect, &score->effects));
   Count(diagnosis.detected, named, with_group,
-        &score->sizes[ClassIndex(SizeOf(record.effects.front()), kSizeLimits)]);
+        &score->sizes[ClassIndex(DrawnSize(record.effects.front()), kSizeLimits)]);
   if (record.signature) {
     StrengthScore& strength =
         score->strengths[ClassIndex(std::sqrt(record.signature->lambda), kStrengthLimits)];

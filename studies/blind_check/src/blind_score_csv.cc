@@ -30,7 +30,7 @@ std::string TruthValues(const BlindRecord& record) {
 
 std::string Sizes(const BlindRecord& record) {
   std::vector<double> sizes;
-  for (const Effect& effect : record.effects) sizes.push_back(SizeOf(effect));
+  for (const Effect& effect : record.effects) sizes.push_back(DrawnSize(effect));
   return fmt::format("{:.3g}", fmt::join(sizes, " "));
 }
 

@@ -76,7 +76,7 @@ double DrawStart(const FlightTimes& times, Random& random) {
 
 }  // namespace
 
-double SizeOf(const Effect& effect) {
+double DrawnSize(const Effect& effect) {
   const EffectSpec& spec = *FindEffect(effect.name);
   double size = 0.0;
   for (std::size_t i = 0; i < effect.value.size(); ++i) {

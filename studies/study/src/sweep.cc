@@ -70,8 +70,8 @@ Sweep Sweep::Parse(const std::string& yaml_text, const std::string& where) {
 void Sweep::ExpectScenarios() const {
   for (std::uint64_t number = 1; number <= size(); ++number) {
     try {
-      ParseEstimate(EstimateOf(number));
-      const Scenario scenario = ScenarioOf(number);
+      ParseEstimate(DesignEstimate(number));
+      const Scenario scenario = DesignScenario(number);
       const bool swept = std::any_of(keys_.begin(), keys_.end(),
                                      [](const SweepKey& key) { return key.path == "imu.preset"; });
       if (swept && !scenario.imu.preset) {
@@ -117,7 +117,7 @@ std::vector<std::string> Sweep::Labels(std::uint64_t number) const {
   return labels;
 }
 
-Scenario Sweep::ScenarioOf(std::uint64_t number) const {
+Scenario Sweep::DesignScenario(std::uint64_t number) const {
   const std::vector<std::size_t> choice = Choice(number);
   std::string text = base_text_;
   for (std::size_t k = 0; k < keys_.size(); ++k) {
@@ -129,7 +129,7 @@ Scenario Sweep::ScenarioOf(std::uint64_t number) const {
   return scenario;
 }
 
-std::string Sweep::EstimateOf(std::uint64_t number) const {
+std::string Sweep::DesignEstimate(std::uint64_t number) const {
   const std::vector<std::size_t> choice = Choice(number);
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     if (keys_[k].path != kEstimate) continue;
@@ -144,9 +144,9 @@ SweepRecord StudySweepDesign(const Sweep& sweep, std::uint64_t number,
   record.number = number;
   record.labels = sweep.Labels(number);
   StudyOptions study_options{options, false};
-  study_options.design.estimate = sweep.EstimateOf(number);
+  study_options.design.estimate = sweep.DesignEstimate(number);
   try {
-    const StudyResult study = Study(sweep.ScenarioOf(number), study_options);
+    const StudyResult study = Study(sweep.DesignScenario(number), study_options);
     if (!study.observable()) {
       record.failure = UnobservableWords(study).front();
       return record;

@@ -13,7 +13,7 @@ namespace dn {
 namespace {
 
 /// Returns the numbers of a design in the order of the columns; empty if the design failed.
-std::vector<double> NumbersOf(const SweepRecord& record) {
+std::vector<double> RecordNumbers(const SweepRecord& record) {
   if (!record.failure.empty()) return {};
   const Eigen::Vector3d sigma_deg = record.sigma_rad * kDegPerRad;
   return {sigma_deg.x(),
@@ -33,14 +33,14 @@ constexpr const char* kColumns[] = {
     "largest_correlation", "correlation_angles",   "correlation_biases", "trajectory_rp_deg",
     "trajectory_yaw_deg",  "trajectory_position_m"};
 
-std::string FileOf(const std::string& path) {
+std::string PlotFile(const std::string& path) {
   std::string name = "sweep_";
   for (const char c : path) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   return name + ".svg";
 }
 
 /// Returns the labels of a key in the order of the designs.
-std::vector<std::string> LabelsOf(const std::vector<SweepRecord>& records, std::size_t key) {
+std::vector<std::string> KeyLabels(const std::vector<SweepRecord>& records, std::size_t key) {
   std::vector<std::string> labels;
   for (const SweepRecord& record : records) {
     if (std::find(labels.begin(), labels.end(), record.labels[key]) == labels.end()) {
@@ -61,7 +61,7 @@ std::string SweepCsv(const std::vector<std::string>& paths,
   for (const SweepRecord& record : records) {
     text += std::to_string(record.number);
     for (const std::string& label : record.labels) text += "," + CsvField(label);
-    const std::vector<double> numbers = NumbersOf(record);
+    const std::vector<double> numbers = RecordNumbers(record);
     for (std::size_t k = 0; k < std::size(kColumns); ++k) {
       text += ",";
       if (!numbers.empty()) text += FormatDouble(numbers[k]);
@@ -76,7 +76,7 @@ Json SweepJson(const std::vector<std::string>& paths, const std::vector<SweepRec
   for (const SweepRecord& record : records) {
     Json design = {
         {"number", record.number}, {"labels", record.labels}, {"singular", record.failure}};
-    const std::vector<double> numbers = NumbersOf(record);
+    const std::vector<double> numbers = RecordNumbers(record);
     if (!numbers.empty()) {
       design["sigma_deg"] = {numbers[0], numbers[1], numbers[2]};
       for (std::size_t k = 3; k < numbers.size(); ++k) design[kColumns[k]] = numbers[k];
@@ -104,7 +104,7 @@ std::string SweepTable(const std::vector<std::string>& paths,
     for (const std::string& label : record.labels) {
       text += fmt::format(" {:>{}}", shortened(label, kMostShown), kMostShown);
     }
-    const std::vector<double> n = NumbersOf(record);
+    const std::vector<double> n = RecordNumbers(record);
     text += n.empty() ? " singular: " + shortened(WithoutControls(record.failure), kMostReason)
                       : fmt::format(" {:>10.6f} {:>10.6f} {:>10.6f} {:>9.1f} {:>8.1f}", n[0], n[1],
                                     n[2], n[3], 100.0 * n[4]);
@@ -118,7 +118,7 @@ std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
   const char* angles[] = {"roll", "pitch", "yaw"};
   std::vector<StudyPlot> plots;
   for (std::size_t key = 0; key < paths.size(); ++key) {
-    const std::vector<std::string> labels = LabelsOf(records, key);
+    const std::vector<std::string> labels = KeyLabels(records, key);
     if (labels.size() < 2) continue;
     PlotPanel panel;
     panel.rows = labels;
@@ -133,7 +133,7 @@ std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
       if (!series.points.empty()) panel.series.push_back(std::move(series));
     }
     if (panel.series.empty()) continue;
-    plots.push_back({FileOf(paths[key]),
+    plots.push_back({PlotFile(paths[key]),
                      "boresight by " + paths[key] + ", one point per design",
                      "standard deviation [mdeg]",
                      {panel}});

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/files/flight.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/files/flight.h>
 
 #include <string>
 
@@ -23,6 +23,7 @@ struct Signature {
 /// model. All data are used: no outlier is rejected. Of the options, only `effects`, `left_out`,
 /// `threads` and `interrupted` are used. Throws as Adjust, RankDeficient if an unknown is not
 /// determined, and InvalidConfig for invalid options.
-Signature SignatureOf(const Flight& with, const Flight& without, const GapOptions& options = {});
+Signature ComputeSignature(const Flight& with, const Flight& without,
+                           const GapOptions& options = {});
 
 }  // namespace dn

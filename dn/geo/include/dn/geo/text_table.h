@@ -61,7 +61,7 @@ class TextTableReader {
 ///
 /// `keep` receives the indices of the rows to keep; a row identical to the previous one is dropped.
 /// Returns the number of dropped rows. Throws InvalidInput naming the line for any other repeated
-/// or decreasing time, and for a time that cannot be seconds of week (CheckSecondsOfWeek).
+/// or decreasing time, and for a time that cannot be seconds of week (CheckWeekSeconds).
 long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep,
                            double time_offset_s = 0.0);
 

@@ -32,7 +32,7 @@ struct StripGeoreferencing {
 };
 
 /// That of a flight, which has a section `lidar`.
-StripGeoreferencing GeoreferencingOf(const FlightConfig& config);
+StripGeoreferencing StripsGeoreferencing(const FlightConfig& config);
 
 /// The origin of a strip's laser vectors: the file itself; else the boresight that it records; else
 /// the declared one; else that of the mounting. Throws InvalidConfig where record and declaration

@@ -40,7 +40,7 @@ std::vector<std::string> BlindScenarioNames();
 
 /// Returns the largest component of an effect divided by its typical size in the table. For a
 /// ratio r it is (r - 1) / (typical - 1).
-double SizeOf(const Effect& effect);
+double DrawnSize(const Effect& effect);
 
 /// Returns the seed of the simulation of flight `number` in a suite of this seed.
 std::uint64_t BlindFlightSeed(std::uint64_t suite_seed, int number);

@@ -91,9 +91,9 @@ BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
 Json ToJson(const BlindRecord& record);
 BlindRecord BlindRecordFromJson(const JsonPlace& json);
 
-/// Convert a content to its word in the records and back. ContentOf throws InvalidInput for an
+/// Convert a content to its word in the records and back. RecordContent throws InvalidInput for an
 /// unknown word.
 const char* Word(BlindContent content);
-BlindContent ContentOf(const std::string& word);
+BlindContent RecordContent(const std::string& word);
 
 }  // namespace dn

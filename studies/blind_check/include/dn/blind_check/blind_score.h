@@ -38,7 +38,7 @@ struct EffectScore {
   Share named_with_group;  ///< as above, or it is in the credible set of a group
 };
 
-/// Scores of the flights with one effect in a class of sizes (SizeOf).
+/// Scores of the flights with one effect in a class of sizes (DrawnSize).
 struct SizeScore {
   double from = 0.0;
   Share detected;

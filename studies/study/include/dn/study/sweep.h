@@ -43,9 +43,9 @@ class Sweep {
   /// Throws InvalidInput for another number.
   std::vector<std::string> Labels(std::uint64_t number) const;
   /// Returns the scenario of a design, named after its number.
-  Scenario ScenarioOf(std::uint64_t number) const;
+  Scenario DesignScenario(std::uint64_t number) const;
   /// Returns the unknowns that a design estimates with the boresight.
-  std::string EstimateOf(std::uint64_t number) const;
+  std::string DesignEstimate(std::uint64_t number) const;
 
   const std::string& base_text() const { return base_text_; }
 
