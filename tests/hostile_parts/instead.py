@@ -39,8 +39,9 @@ def link_to_itself(path):
 
 
 def links_in_a_circle(path):
-    path.symlink_to("other_link")
-    (path.parent / "other_link").symlink_to(path.name)
+    other = path.parent / f"link_of_{path.name}"
+    path.symlink_to(other.name)
+    other.symlink_to(path.name)
 
 
 def unreadable(path):

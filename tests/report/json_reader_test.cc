@@ -51,6 +51,13 @@ TEST(JsonReader, NamesLineAndColumnOfWhatIsNoJson) {
   }
 }
 
+TEST(JsonReader, AZeroByteIsNotTheEndOfAText) {
+  const std::string zero(1, '\0');
+  for (const std::string& text : {"{}" + zero, "{}" + zero + "}", zero + "{}", "[" + zero + "]"}) {
+    EXPECT_THAT(RefusalOf(text), HasSubstr("this is no JSON (x.json:1:"));
+  }
+}
+
 TEST(JsonReader, NestingIsBounded) {
   const JsonLimits limits;
   const auto nested = [](std::size_t depth) { return Repeated("[", depth) + Repeated("]", depth); };

@@ -135,6 +135,10 @@ Json ParseJson(std::string_view text, const std::string& file, const JsonLimits&
     throw InvalidInput(
         fmt::format("JSON of {} bytes; at most {} are read", text.size(), limits.bytes), {file});
   }
+  // The parser takes a zero byte for the end of the text.
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
+    throw InvalidInput("this is no JSON", LocationOf(text, zero + 1, file));
+  }
   TreeBuilder builder(text, file, limits);
   Json::sax_parse(text.begin(), text.end(), &builder);
   return builder.Take();
