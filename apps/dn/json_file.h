@@ -7,8 +7,8 @@
 
 namespace dn::apps {
 
-/// The JSON of a file, within the limits of ParseJson. Throws InvalidInput for what is no regular
-/// file or no JSON.
+/// Reads the JSON of a file within the limits of ParseJson. Throws InvalidInput for a file that is
+/// not regular or not JSON.
 inline Json ReadJsonFile(const std::filesystem::path& file) {
   return ParseJson(ReadWholeFile(file, JsonLimits{}.bytes), file.string());
 }

@@ -101,7 +101,7 @@ Shards Gather(const std::vector<std::string>& folders) {
   return shards;
 }
 
-/// Reads the records in the order of their numbers. Reads all before it copies the first to `folder`.
+/// Reads the records in the order of their numbers, all before the first is copied to `folder`.
 template <class Record>
 std::vector<Record> Records(const Shards& shards, const fs::path& folder,
                             const RecordReader<Record>& reader) {

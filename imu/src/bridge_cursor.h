@@ -17,7 +17,7 @@ class BridgeCursor {
         end_(imu.bridges.end()) {}
 
   /// Returns the bridge whose hole this sample also covers; nullptr if there is no such bridge.
-  const ImuBridge* Of(const ImuSample& sample) {
+  const ImuBridge* Find(const ImuSample& sample) {
     while (next_ != end_ && next_->row.t_s < sample.t_s) ++next_;
     return next_ == end_ || next_->row.t_s > sample.t_s ? nullptr : &*next_;
   }

@@ -312,7 +312,7 @@ BandEnergy& BandEnergy::operator+=(const BandEnergy& other) {
   return *this;
 }
 
-BandEnergy HighBandWindow::Of(ImuTriad triad) const {
+BandEnergy HighBandWindow::Total(ImuTriad triad) const {
   BandEnergy total;
   for (const auto& axis : energy[triad]) {
     for (const BandEnergy& octave : axis) total += octave;

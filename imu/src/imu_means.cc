@@ -17,7 +17,7 @@ class Joiner {
 
   std::vector<ImuSample> Run() {
     for (const ImuSample& sample : imu_.samples) {
-      const bool bridges = bridges_.Of(sample) != nullptr;
+      const bool bridges = bridges_.Find(sample) != nullptr;
       if (bridges || closed_ || !Fits(sample)) {
         joined_.push_back(sample);
       } else {

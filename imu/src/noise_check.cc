@@ -31,7 +31,7 @@ class TriadCheck {
   TriadCheck(const HighBand& band, ImuTriad triad, const RunningSums& sums)
       : band_(band), triad_(triad), sums_(sums), levels_(band.triads[triad].rounding) {}
 
-  LogLevel Whole() const { return levels_.Of(sums_.All()); }
+  LogLevel Whole() const { return levels_.Level(sums_.All()); }
 
   NoiseLevel Level() const {
     NoiseLevel level;
@@ -53,8 +53,8 @@ class TriadCheck {
   std::vector<LogLevel> ByBand() const {
     std::vector<LogLevel> levels;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      levels.push_back(levels_.Of(Total(axis, kTopOctave)));
-      levels.push_back(levels_.Of(Total(axis, kSecondOctave)));
+      levels.push_back(levels_.Level(Total(axis, kTopOctave)));
+      levels.push_back(levels_.Level(Total(axis, kSecondOctave)));
     }
     return levels;
   }
@@ -64,7 +64,7 @@ class TriadCheck {
     for (std::size_t first = 0; first < band_.windows.size(); first += group) {
       const BandEnergy energy =
           sums_.Inside({first, std::min(first + group, band_.windows.size())});
-      if (energy.dof >= kFewestDof) levels.push_back(levels_.Of(energy));
+      if (energy.dof >= kFewestDof) levels.push_back(levels_.Level(energy));
     }
     return levels;
   }

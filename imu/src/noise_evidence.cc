@@ -48,7 +48,7 @@ double NoiseLevels::Sigma(const BandEnergy& energy) const {
   return energy.Variance() * (1.0 + rounding_) / (Ratio(energy) * std::sqrt(2.0 * energy.dof));
 }
 
-LogLevel NoiseLevels::Of(const BandEnergy& energy) const {
+LogLevel NoiseLevels::Level(const BandEnergy& energy) const {
   const double ratio = Ratio(energy);
   const double v = (ratio * ratio + rounding_) / (1.0 + rounding_);
   return {std::log(ratio), std::pow(Sigma(energy) / ratio, 2), LogLikelihood(energy, v)};

@@ -29,7 +29,7 @@ class NoiseLevels {
   double Ratio(const BandEnergy& energy) const;
   double Sigma(const BandEnergy& energy) const;  ///< standard deviation of the ratio
   /// Returns the level with its uncertainty and likelihood.
-  LogLevel Of(const BandEnergy& energy) const;
+  LogLevel Level(const BandEnergy& energy) const;
 
  private:
   double rounding_;

@@ -583,7 +583,7 @@ class IncrementalPreintegrator::Impl {
     const ImuSample& sample = walk_.sample();
     integrator->Add(
         piece,
-        BridgeNoise(bridges_.Of(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
+        BridgeNoise(bridges_.Find(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
         walk_.reading());
   }
 

@@ -46,7 +46,7 @@ bool WindowScan::AddOutside(const CellSpan& span, ImuTriad triad, Case* one) con
   if (outside.dof < kLeastOutside * sums_[triad].All().dof) return false;
   const double base = outside.Variance();
   const double of_inside = inside.dof > 0.0 ? LogLikelihood(inside, base) : 0.0;
-  one->evidence += LevelEvidence(levels_[triad].Of(outside), prior_) + of_inside;
+  one->evidence += LevelEvidence(levels_[triad].Level(outside), prior_) + of_inside;
   one->log_likelihood += LogLikelihood(outside, base) + of_inside;
   one->base[triad] = base;
   inside.sum /= base;
@@ -150,7 +150,8 @@ std::optional<NoiseWindow> WindowScan::Likeliest() const {
   const Case of_size = WithoutEnds(span, one);
   for (const ImuTriad triad : kBothTriads) {
     if (IsUsable(triad)) {
-      window.log_likelihood_against_scale -= levels_[triad].Of(sums_[triad].All()).log_likelihood;
+      window.log_likelihood_against_scale -=
+          levels_[triad].Level(sums_[triad].All()).log_likelihood;
     }
     if (of_size.inside[triad].dof > 0.0) AddTriad(of_size, triad, &window);
   }

@@ -22,7 +22,7 @@ class RunningSums {
   RunningSums(const HighBand& band, ImuTriad triad) : sums_(1) {
     for (const HighBandWindow& window : band.windows) {
       sums_.push_back(sums_.back());
-      sums_.back() += window.Of(triad);
+      sums_.back() += window.Total(triad);
     }
   }
   BandEnergy Inside(const CellSpan& span) const {

@@ -91,8 +91,8 @@ double LasReader::Time(std::uint64_t index, const char* record) {
   };
   if (las_.adjusted_time && std::abs(tag_s) > kMostAdjustedS) {
     throw error(
-        ", which the header calls adjusted standard (bit 0 of byte 6), is no time since 1980 less "
-        "1e9 s");
+        ", which the header calls adjusted standard (bit 0 of byte 6), is not a time since 1980 "
+        "minus 1e9 s");
   }
   if (!time_origin_s_) {
     const double week = std::floor((tag_s + kAdjustedOriginS) / kWeekS);

@@ -27,8 +27,8 @@ struct Shown {
 };
 
 std::vector<Shown> ParseShownNumbers(const std::string& html) {
-  const std::regex cell(
-      R"re(data-value="([^"]*)" data-scale="([^"]*)" data-source="([^"#]*)#([^"]*)"[^>]*>([^<]*)</td>)re");
+  const std::regex cell(R"re(data-value="([^"]*)" data-scale="([^"]*)" )re"
+                        R"re(data-source="([^"#]*)#([^"]*)"[^>]*>([^<]*)</td>)re");
   std::vector<Shown> numbers;
   for (std::sregex_iterator at(html.begin(), html.end(), cell), end; at != end; ++at) {
     numbers.push_back({std::strtod((*at)[1].str().c_str(), nullptr),

@@ -179,7 +179,7 @@ TEST_P(LidarDerivatives, CarriesDerivativesAlong) {
   const Flight flight = LidarFlight();
   const auto effect = As<LidarEffect>(Make(GetParam(), flight));
   const VectorXd value = VectorXd::Constant(effect->components(), 0.01);
-  LidarReading reading = LidarReading::Of(150.0, u_s, 1 + effect->components());
+  LidarReading reading = LidarReading::Uncorrected(150.0, u_s, 1 + effect->components());
   reading.J_u.col(0) = along;
   effect->Correct(value, 1, &reading);
   const Vector3d plus = LidarAt(GetParam(), value, 150.0, u_s + kStep * along).u_s;

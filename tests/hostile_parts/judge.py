@@ -80,7 +80,7 @@ def judge_message(outcome, needs_location, echoes):
 
 
 def judge_output(outcome, echoes):
-    """What is printed is for people and terminals."""
+    """Checks the text on stdout, which people and terminals read."""
     for line in outcome.out.split("\n"):
         if CONTROL.search(line):
             return [("output", "control characters: " + repr(line[:200]))]

@@ -151,7 +151,7 @@ class Shards(Case):
         try:
             numbers = numbers_of(arena.out, self.kind)
         except ValueError as error:
-            return [("wrong merge", f"a record that is no JSON was taken: {error}")]
+            return [("wrong merge", f"a record that is not JSON was taken: {error}")]
         if numbers != self.kind.numbers:
             return [("wrong merge", f"records of {numbers}")]
         same = digest(arena.out / self.kind.result) == digest(arena.base.results / self.kind.name / self.kind.result)

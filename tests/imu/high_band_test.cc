@@ -27,7 +27,7 @@ BandEnergy Sum(const HighBand& band, ImuTriad triad, std::size_t axis, ImuOctave
 
 BandEnergy Sum(const HighBand& band, ImuTriad triad) {
   BandEnergy sum;
-  for (const HighBandWindow& window : band.windows) sum += window.Of(triad);
+  for (const HighBandWindow& window : band.windows) sum += window.Total(triad);
   return sum;
 }
 
@@ -121,9 +121,9 @@ TEST(HighBand, WindowsContainOnlyTheirOwnTime) {
   EXPECT_NEAR(band.windows[4].t0_s, 1020.0, 1e-9);
   EXPECT_NEAR(band.windows.back().t1_s, 1052.0, 1e-9);
   for (std::size_t k = 0; k < band.windows.size(); ++k) {
-    const double variance = band.windows[k].Of(kAccelTriad).Variance();
+    const double variance = band.windows[k].Total(kAccelTriad).Variance();
     if (k == 4 || k == 3 || k == 5) continue;  // the steps at the ends of the window
-    EXPECT_NEAR(variance, 1.0, kSigmas * std::sqrt(2.0 / band.windows[k].Of(kAccelTriad).dof));
+    EXPECT_NEAR(variance, 1.0, kSigmas * std::sqrt(2.0 / band.windows[k].Total(kAccelTriad).dof));
   }
 }
 
@@ -137,8 +137,8 @@ TEST(HighBand, NoCoefficientSpansAGap) {
                 [](const ImuSample& s) { return s.t_s > 1049.0 && s.t_s < 1051.0 + 1e-6; });
   const HighBand gap = MeasureHighBand(imu, WhiteModel(), kTwoSeconds);
   EXPECT_LT(std::abs(Departure(Sum(gap, kGyroTriad))), kSigmas);
-  EXPECT_LT(gap.windows[24].Of(kGyroTriad).dof + gap.windows[25].Of(kGyroTriad).dof,
-            0.55 * 2.0 * gap.windows[3].Of(kGyroTriad).dof);
+  EXPECT_LT(gap.windows[24].Total(kGyroTriad).dof + gap.windows[25].Total(kGyroTriad).dof,
+            0.55 * 2.0 * gap.windows[3].Total(kGyroTriad).dof);
 
   CloseShortHoles(3.0, &imu);  // the same hole as a bridge: one sample of two seconds
   ASSERT_EQ(imu.bridges.size(), 1U);

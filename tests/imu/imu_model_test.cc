@@ -11,7 +11,7 @@ namespace dn::imu_model_test {
 
 using Type = BiasProcess::Type;
 
-// The expected factors are those of the conversion table in docs/reference/conventions.md, to the digits
+// The expected factors are those of the table in docs/reference/conventions.md, to the digits
 // given there.
 TEST(ImuUnits, ConvertDataSheetUnits) {
   EXPECT_NEAR(RadpsFromDegPerHour(1.0), 4.848137e-6, 1e-12);

@@ -151,7 +151,7 @@ TEST(NoiseCheck, SizesOfShortWindowsAreWithinTheirSigmas) {
   EXPECT_NEAR(square, 1.0, kSigmas * std::sqrt(2.0 / (2.0 * kFlights)));
 }
 
-// Noise that the model contains is not a cause any more: none is found in the window or at its ends.
+// Noise that the model contains is no longer a cause: none is found in the window or at its ends.
 TEST(NoiseCheck, KnownNoiseIsNotFoundAgain) {
   const ImuData imu = Vibrating(WhiteImu(8, 200.0), 71.05, 93.02, 0.3, 2.0);  // 300 and 200 sigmas
   const NoiseWindow found = *Check(imu).window;

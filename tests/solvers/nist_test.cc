@@ -36,7 +36,7 @@ struct Problem {
 };
 
 template <class Model, int kPredictors = 1>
-Problem Of(const std::string& name, double sigma_digits = kDigits) {
+Problem MakeProblem(const std::string& name, double sigma_digits = kDigits) {
   return {name,
           [](const NistData& data, const std::vector<double>& start) {
             Network net;
@@ -78,16 +78,20 @@ TEST_P(NonLinear, MeetsTheCertifiedValuesFromBothStarts) {
 
 INSTANTIATE_TEST_SUITE_P(
     Nist, NonLinear,
-    ::testing::Values(Of<Exponential>("misra1a"), Of<Chwirut>("chwirut2"), Of<Chwirut>("chwirut1"),
-                      Of<Lanczos>("lanczos3"), Of<Gauss>("gauss1"), Of<Gauss>("gauss2"),
-                      Of<Power>("danwood"), Of<Misra1b>("misra1b"), Of<Kirby2>("kirby2"),
-                      Of<Cubics>("hahn1"), Of<Nelson, 2>("nelson"), Of<Mgh17>("mgh17"),
-                      Of<Lanczos>("lanczos1", kDigitsOfRounding), Of<Lanczos>("lanczos2"),
-                      Of<Gauss>("gauss3"), Of<Misra1c>("misra1c"), Of<Misra1d>("misra1d"),
-                      Of<Roszman1>("roszman1"), Of<Enso>("enso"), Of<Mgh09>("mgh09"),
-                      Of<Cubics>("thurber"), Of<Exponential>("boxbod"), Of<Rat42>("rat42"),
-                      Of<Mgh10>("mgh10"), Of<Eckerle4>("eckerle4"), Of<Rat43>("rat43"),
-                      Of<Bennett5>("bennett5")),
+    ::testing::Values(MakeProblem<Exponential>("misra1a"), MakeProblem<Chwirut>("chwirut2"),
+                      MakeProblem<Chwirut>("chwirut1"), MakeProblem<Lanczos>("lanczos3"),
+                      MakeProblem<Gauss>("gauss1"), MakeProblem<Gauss>("gauss2"),
+                      MakeProblem<Power>("danwood"), MakeProblem<Misra1b>("misra1b"),
+                      MakeProblem<Kirby2>("kirby2"), MakeProblem<Cubics>("hahn1"),
+                      MakeProblem<Nelson, 2>("nelson"), MakeProblem<Mgh17>("mgh17"),
+                      MakeProblem<Lanczos>("lanczos1", kDigitsOfRounding),
+                      MakeProblem<Lanczos>("lanczos2"), MakeProblem<Gauss>("gauss3"),
+                      MakeProblem<Misra1c>("misra1c"), MakeProblem<Misra1d>("misra1d"),
+                      MakeProblem<Roszman1>("roszman1"), MakeProblem<Enso>("enso"),
+                      MakeProblem<Mgh09>("mgh09"), MakeProblem<Cubics>("thurber"),
+                      MakeProblem<Exponential>("boxbod"), MakeProblem<Rat42>("rat42"),
+                      MakeProblem<Mgh10>("mgh10"), MakeProblem<Eckerle4>("eckerle4"),
+                      MakeProblem<Rat43>("rat43"), MakeProblem<Bennett5>("bennett5")),
     [](const auto& test) { return test.param.name; });
 
 class Linear : public ::testing::TestWithParam<Problem> {};
@@ -100,11 +104,13 @@ TEST_P(Linear, MeetsTheCertifiedValuesFromZero) {
 
 INSTANTIATE_TEST_SUITE_P(
     Nist, Linear,
-    ::testing::Values(Of<Polynomial<1>>("norris"), Of<Polynomial<2>>("pontius"),
-                      Of<Proportion>("noint1"), Of<Proportion>("noint2"), Of<Longley, 6>("longley"),
-                      Of<Polynomial<5>>("wampler1"), Of<Polynomial<5>>("wampler2"),
-                      Of<Polynomial<5>>("wampler3"), Of<Polynomial<5>>("wampler4"),
-                      Of<Polynomial<5>>("wampler5")),
+    ::testing::Values(MakeProblem<Polynomial<1>>("norris"), MakeProblem<Polynomial<2>>("pontius"),
+                      MakeProblem<Proportion>("noint1"), MakeProblem<Proportion>("noint2"),
+                      MakeProblem<Longley, 6>("longley"), MakeProblem<Polynomial<5>>("wampler1"),
+                      MakeProblem<Polynomial<5>>("wampler2"),
+                      MakeProblem<Polynomial<5>>("wampler3"),
+                      MakeProblem<Polynomial<5>>("wampler4"),
+                      MakeProblem<Polynomial<5>>("wampler5")),
     [](const auto& test) { return test.param.name; });
 
 // A polynomial of degree 10 over -9 .. -3: its columns are linearly dependent to 1e-15 of their
@@ -113,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Filip, IsRefused) {
   const NistData data = ReadNist("filip");
   const std::vector<double> zero(data.certified.size(), 0.0);
-  EXPECT_THROW(Of<Polynomial<10>>("filip").fit(data, zero), RankDeficient);
+  EXPECT_THROW(MakeProblem<Polynomial<10>>("filip").fit(data, zero), RankDeficient);
 }
 
 // From (1, 1) the first attempt moves the rate of BoxBOD to where the exponential has decayed.

@@ -137,7 +137,7 @@ Json ParseJson(std::string_view text, const std::string& file, const JsonLimits&
   }
   // The parser takes a zero byte for the end of the text.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
-    throw InvalidInput("this is no JSON", LocationOf(text, zero + 1, file));
+    throw InvalidInput("this is not JSON", FindLocation(text, zero + 1, file));
   }
   TreeBuilder builder(text, file, limits);
   Json::sax_parse(text.begin(), text.end(), &builder);

@@ -23,7 +23,7 @@ EffectModel MakeEffectModel(const std::vector<PairEnds>& pairs, const EndModel& 
 
 MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
-  LidarReading reading = LidarReading::Of(end.t_s, end.u_s, n);
+  LidarReading reading = LidarReading::Uncorrected(end.t_s, end.u_s, n);
   effect.Correct(Eigen::VectorXd::Zero(n), 0, &reading);
   return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
 }

@@ -19,7 +19,7 @@ struct LidarReading {
   Eigen::RowVectorXd J_delay;
 
   /// Returns a reading without corrections, with zero derivatives for `columns` values.
-  static LidarReading Of(double tag_s, const Eigen::Vector3d& u_s, Eigen::Index columns) {
+  static LidarReading Uncorrected(double tag_s, const Eigen::Vector3d& u_s, Eigen::Index columns) {
     LidarReading reading;
     reading.tag_s = tag_s;
     reading.u_s = u_s;
@@ -61,7 +61,7 @@ inline Eigen::Index TotalComponents(const LidarEffects& effects) {
 /// of each effect.
 inline LidarReading Corrected(const LidarEffects& effects, double const* const* values,
                               double tag_s, const Eigen::Vector3d& u_s) {
-  LidarReading reading = LidarReading::Of(tag_s, u_s, TotalComponents(effects));
+  LidarReading reading = LidarReading::Uncorrected(tag_s, u_s, TotalComponents(effects));
   Eigen::Index column = 0;
   for (std::size_t k = 0; k < effects.size(); ++k) {
     const int components = effects[k]->components();

@@ -42,7 +42,7 @@ struct HighBandWindow {
     return energy[triad][axis][octave];
   }
   /// Returns the total over all axes and octaves of a triad.
-  BandEnergy Of(ImuTriad triad) const;
+  BandEnergy Total(ImuTriad triad) const;
 };
 
 /// Properties of the samples of one triad.
@@ -83,8 +83,8 @@ struct HighBandOptions {
 /// options.window_s of the ends of a vibration are not used.
 ///
 /// A triad is unusable if more than 5 % of its samples repeat the sample before. It is also
-/// unusable if its resolution is coarser than twice its noise. All differences of
-/// successive values are multiples of the resolution. Throws InvalidConfig as HighBandOptions::Validate and
+/// unusable if its resolution is coarser than twice its noise. All differences of successive values
+/// are multiples of the resolution. Throws InvalidConfig as HighBandOptions::Validate and
 /// Validate(ImuModel) do.
 ///
 /// Source: Daubechies (1988), Comm. Pure Appl. Math. 41, table 1, N = 6.

@@ -65,8 +65,8 @@ class Marginals {
   class Columns {
    public:
     /// Returns the rows of block b. For SolveColumns, they are the cross covariances of b with the
-    /// chosen blocks, next to each other in the given order. Their size is tangent size of b x sum of the
-    /// tangent sizes.
+    /// chosen blocks, next to each other in the given order. Their size is tangent size of b x sum
+    /// of the tangent sizes.
     Eigen::MatrixXd Rows(BlockId b) const;
 
    private:

@@ -21,8 +21,8 @@ struct JsonLimits {
 };
 
 /// Parses a JSON text: the one way in which this project reads JSON. Throws InvalidInput with file,
-/// line and column for text that is not JSON, and with file and JSON pointer (RFC 6901) for a text beyond
-/// `limits` and for a key that an object has twice.
+/// line and column for text that is not JSON. Throws it with file and JSON pointer (RFC 6901) for a
+/// text beyond `limits` and for a key that an object has twice.
 Json ParseJson(std::string_view text, const std::string& file, const JsonLimits& limits = {});
 
 /// Values in a JSON tree, itself included.
