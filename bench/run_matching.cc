@@ -130,7 +130,8 @@ int Main(int argc, char** argv) {
   app.add_option("--dn", options.program, "The program")->capture_default_str();
   app.add_option("--lengths", options.line_lengths_m, "Length of the lines, m")->delimiter(',');
   app.add_option("--threads", options.threads, "Of dn match")->capture_default_str();
-  app.add_option("--timeout", options.timeout_s, "Time limit of one program run, s")->capture_default_str();
+  app.add_option("--timeout", options.timeout_s, "Time limit of one program run, s")
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     fs::create_directories(options.work);

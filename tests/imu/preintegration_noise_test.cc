@@ -58,8 +58,8 @@ TEST(PreintegrationNoise, CovarianceIsThatOfMonteCarlo) {
   EXPECT_LE(difference.cwiseAbs().maxCoeff(), std::sqrt(2.0) * kTolerance) << difference;
 }
 
-/// Returns the variance of an angle or velocity over `all` samples of 0.01 s. The sensor vibrates in
-/// `inside` of them.
+/// Returns the variance of an angle or velocity over `all` samples of 0.01 s. The sensor vibrates
+/// in `inside` of them.
 double Variance(double white, double sigma, int inside, int all) {
   return 0.01 * all * white * white + 1e-4 * inside * sigma * sigma;
 }

@@ -270,8 +270,9 @@ constexpr std::size_t kLongestPath = 200;
 
 void SetValue(const YAML::Node& root, const std::string& path, const std::string& value) {
   if (path.size() > kLongestPath) {
-    throw InvalidConfig("'" + Shown(path) + "' is not a key: it has " + std::to_string(path.size()) +
-                        " characters, at most " + std::to_string(kLongestPath) + " are read");
+    throw InvalidConfig("'" + Shown(path) + "' is not a key: it has " +
+                        std::to_string(path.size()) + " characters, at most " +
+                        std::to_string(kLongestPath) + " are read");
   }
   try {
     YAML::Node place = root;

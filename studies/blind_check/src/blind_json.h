@@ -18,7 +18,8 @@ inline std::optional<double> OptionalNumber(const JsonPlace& json) {
 inline std::string WordFromJson(const JsonPlace& json) {
   constexpr std::size_t kLongest = 200;
   std::string word = json.Text(kLongest);
-  if (HasControls(word) || word.find_first_of(",\"") != std::string::npos) json.Fail("is not a name");
+  if (HasControls(word) || word.find_first_of(",\"") != std::string::npos)
+    json.Fail("is not a name");
   return word;
 }
 
