@@ -116,6 +116,8 @@ TEST(LineChoice, RefusesWhatIsNone) {
   EXPECT_THAT(ParseErrorText("[1, 1, 1]", "  one: [-600, 0, 600]\n  two: [0, 0, 1, 1, 200, 45]\n"),
               HasSubstr("these lines do not fit the base"));
   EXPECT_THAT(ParseErrorText("[1, 1, 1]\nanother: 1", kLines), HasSubstr("another"));
+  EXPECT_THAT(ParseErrorText("[1, 1, 1]\nestimate: [gnss_lever_arn]", kLines),
+              HasSubstr("did you mean 'gnss_lever_arm'?"));
 }
 
 }  // namespace dn::testing::line_choice_test

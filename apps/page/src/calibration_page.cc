@@ -109,6 +109,17 @@ std::string MethodName(const Facts& result) {
   return method == "planes" ? "plane adjustment" : method;
 }
 
+/// Returns the pairs of strips of a result by name. Throws InvalidInput for a name that occurs twice.
+std::map<std::string, Facts> StripPairsByName(const Facts& result) {
+  std::map<std::string, Facts> pairs;
+  for (const Facts& of : result["strip_pairs"].elements()) {
+    const std::string strips = of["strips"].text();
+    if (pairs.emplace(strips, of).second) continue;
+    throw InvalidInput("strip_pairs has '" + WithoutControls(strips) + "' twice");
+  }
+  return pairs;
+}
+
 /// Makes the section of swath separations before and after, for each method. With several methods,
 /// `before` is that of the first one on a given trajectory: the assumed mounting on the user's
 /// trajectory.

@@ -10,12 +10,7 @@
 namespace dn::internal {
 namespace {
 
-/// Escapes a key for a JSON pointer (RFC 6901).
-std::string Escaped(const std::string& key) {
-  std::string out;
-  for (const char c : key) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  return out;
-}
+constexpr std::size_t kMostTexts = 10'000;
 
 }  // namespace
 

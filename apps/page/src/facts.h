@@ -11,8 +11,13 @@
 
 namespace dn::internal {
 
+/// Number of elements of lists and objects that the files of one folder may still add to a page. It
+/// bounds the size of the page of a damaged file.
+using RowsLeft = std::shared_ptr<std::size_t>;
+
 /// A place in a JSON file, which may be absent. An absent value, or one of another type, is NaN, an
-/// empty text or a list without elements.
+/// empty text or a list without elements. Functions that list elements throw InvalidInput beyond
+/// `rows_left` or the longest list of texts.
 class Facts {
  public:
   Facts() = default;
@@ -29,6 +34,8 @@ class Facts {
   double number() const;
   bool flag() const;
   std::string text() const;
+  /// Returns the points of a list of pairs of numbers.
+  Curve points(const std::string& label) const;
   /// Returns the texts of a list.
   std::vector<std::string> texts() const;
   /// Returns three numbers, with NaN for each that is missing.

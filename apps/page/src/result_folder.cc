@@ -10,8 +10,9 @@
 namespace dn::internal {
 namespace {
 
-// Limit of the size of a file, far above that of any file that a command writes.
-constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+// Limits far above those of any file that a command writes.
+constexpr std::size_t kMostTextBytes = std::size_t{16} << 20;
+constexpr std::size_t kMostRows = 100'000;
 
 }  // namespace
 
@@ -31,10 +32,16 @@ bool ResultFolder::Has(const std::string& name) const {
 }
 
 Facts ResultFolder::Read(const std::string& name) const {
-  if (!Has(name)) return {name, Json()};
-  Json json = Json::parse(Text(name), nullptr, false);
-  if (json.is_discarded()) throw InvalidInput("not a JSON file", {FilePath(name).string()});
-  return {name, std::move(json)};
+  const auto known = files_.find(name);
+  if (known != files_.end()) return known->second;
+  const std::filesystem::path file = FilePath(name);
+  std::error_code none;
+  if (!std::filesystem::exists(file, none)) return {name, Json(), rows_left_};
+  JsonLimits limits;
+  limits.values = values_left_;
+  Json json = ParseJson(ReadWholeFile(file, limits.bytes), file.string(), limits);
+  values_left_ -= CountValues(json);
+  return files_.emplace(name, Facts(name, std::move(json), rows_left_)).first->second;
 }
 
 std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::size_t columns) const {

@@ -15,12 +15,11 @@ constexpr std::size_t kSeparationColumns = 7;
 constexpr double kMapSpacingS = 0.5;
 
 /// Returns the poses of trajectory.out in the mapping frame of the flight, thinned.
-std::vector<MapPose> PathColumns(const ResultFolder& folder, const FlightConfig& config) {
+std::vector<MapPose> ReadPath(const ResultFolder& folder, const FlightConfig& config) {
   if (!folder.Has("trajectory.out") || !config.origin) return {};
   const LocalFrame frame(*config.origin);
   std::vector<MapPose> path;
-  for (const NavPoint& point :
-       ReadSbetThinned(folder.PathColumns("trajectory.out"), kMapSpacingS)) {
+  for (const NavPoint& point : ReadSbetThinned(folder.FilePath("trajectory.out"), kMapSpacingS)) {
     path.push_back(ToMapPose(point, frame));
   }
   return path;
@@ -40,7 +39,7 @@ Curve PathLine(const std::string& label, const std::vector<MapPose>& path, doubl
 void AddMap(const ResultFolder& folder, Section* section) {
   const std::optional<FlightConfig> config = folder.Config();
   if (!config) return;
-  const std::vector<MapPose> path = PathColumns(folder, *config);
+  const std::vector<MapPose> path = ReadPath(folder, *config);
   if (path.empty()) return;
   MapChart map{"Path of the flight", {}};
   map.lines.push_back(PathLine("path", path, path.front().t_s, path.back().t_s));

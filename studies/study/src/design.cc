@@ -24,14 +24,6 @@ constexpr std::size_t kFewestGnssEpochs = 3;
                       ". Fly at least two strips that overlap, best one across the others");
 }
 
-std::vector<EstimateEntry> ParseEstimate(const std::string& list) {
-  try {
-    return ParseFlightConfig("name: study\nestimate: [boresight, " + list + "]\n", {}).estimate;
-  } catch (const InvalidConfig& error) {
-    throw InvalidConfig(std::string("estimate [") + list + "]: " + error.what());
-  }
-}
-
 void FreeUnknowns(const DesignOptions& options, Flight* flight) {
   if (!options.estimate.empty()) flight->config.estimate = ParseEstimate(options.estimate);
 }

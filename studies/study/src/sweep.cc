@@ -29,11 +29,14 @@ std::vector<SweepValue> ReadValues(const YamlValue& values) {
 SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   SweepKey key{path, ReadValues(values)};
   if (key.values.empty()) values.Fail("has no values");
-  for (std::size_t i = 1; i < key.values.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (key.values[i].label == key.values[j].label) {
-        values.Fail("the value '" + key.values[i].label + "' is given twice");
-      }
+  std::set<std::string> labels;
+  for (const SweepValue& value : key.values) {
+    if (HasControls(value.label)) {
+      values.Fail("the name '" + WithoutControls(value.label) +
+                  "' holds a line break or another control character");
+    }
+    if (!labels.insert(value.label).second) {
+      values.Fail("the value '" + value.label + "' is given twice");
     }
   }
   return key;

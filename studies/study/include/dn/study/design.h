@@ -36,6 +36,10 @@ struct DesignOptions {
   std::function<bool()> interrupted = {};  ///< polled; returning true aborts with Interrupted
 };
 
+/// Returns the unknowns of DesignOptions::estimate, the boresight first. Throws InvalidConfig for a
+/// name that is not an unknown; the message has the nearest one.
+std::vector<EstimateEntry> ParseEstimate(const std::string& list);
+
 /// Returns the flight that a scenario describes, with perfect sensors that state the scenario's
 /// noise. Ignores its effects except gnss_outage and imu_gap, which are times without data. Throws
 /// RankDeficient if no two strips overlap or if no pairs are requested. Throws InvalidConfig if the
