@@ -130,14 +130,14 @@ void AddMatch(CLI::App* program, Action* action) {
       ->check(PositiveNumber());
   app->add_option("--search-deg", command->search_deg,
                   "Largest boresight error about each axis [deg]")
-      ->check(PositiveNumber())
+      ->check(CLI::Range(1e-6, 45.0))
       ->capture_default_str();
   app->add_option("--search-m", command->search_m,
                   "Largest offset between strips without a trajectory [m]")
-      ->check(PositiveNumber())
+      ->check(CLI::Range(1e-3, 1e4))
       ->capture_default_str();
   app->add_option("--max-pairs", command->most_pairs, "Maximum number of pairs between two strips")
-      ->check(WholeNumber(1))
+      ->check(WholeNumber(1, 1000000))
       ->capture_default_str();
   app->add_option("--patch-gsd", command->patch_gsd,
                   "Half the side length of the smallest patches, in ground sampling distances")
