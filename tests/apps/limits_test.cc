@@ -27,16 +27,6 @@ TEST(CliLimits, AKeyWithoutEnd) {
   EXPECT_THAT(run.err, HasSubstr("at most 200"));
 }
 
-TEST(CliLimits, ASearchWithoutEnd) {
-  for (const auto& [option, value] : {std::pair("--search-deg", "1e9"),
-                                      {"--search-m", "1e12"},
-                                      {"--max-pairs", "1000000000000"}}) {
-    const ProgramRun run = RunWithin({"match", ShortFlight(), option, value, "--out", "unused"});
-    EXPECT_EQ(run.exit_code, 2) << option;
-    EXPECT_THAT(run.err, HasSubstr(option));
-  }
-}
-
 TEST(CliLimits, ASweepWithoutEnd) {
   const TempFolder folder;
   std::string values = "0";

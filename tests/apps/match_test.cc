@@ -184,4 +184,14 @@ TEST_F(Matching, FlatGroundIsAnHonestShortage) {
   EXPECT_EQ(Read("flat_matched/match.json")["counts"]["pairs"].get<int>(), 0);
 }
 
+TEST(CliMatchLimits, ASearchWithoutEnd) {
+  for (const auto& [option, value] : {std::pair("--search-deg", "1e9"),
+                                      {"--search-m", "1e12"},
+                                      {"--max-pairs", "1000000000000"}}) {
+    const ProgramRun run = RunProgram({"match", ShortFlight(), option, value, "--out", "unused"});
+    EXPECT_EQ(run.exit_code, 2) << option;
+    EXPECT_THAT(run.err, HasSubstr(option));
+  }
+}
+
 }  // namespace dn::testing::match_test
