@@ -27,7 +27,8 @@ struct PairData {
   std::vector<std::filesystem::path> files;
   std::vector<LidarPair> pairs;
   long repeated_pairs_dropped = 0;
-  std::vector<VectorOrigin> origins;  ///< of the laser vectors of each file, the least reliable one
+  /// Origin of the laser vectors of each file: the least reliable one in the file.
+  std::vector<VectorOrigin> origins = {};
 };
 
 /// Returns the files that match the glob patterns (*, ?, [..]; relative to `folder`), sorted and
