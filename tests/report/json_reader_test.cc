@@ -54,7 +54,7 @@ TEST(JsonReader, NamesLineAndColumnOfWhatIsNoJson) {
 TEST(JsonReader, AZeroByteIsNotTheEndOfAText) {
   const std::string zero(1, '\0');
   for (const std::string& text : {"{}" + zero, "{}" + zero + "}", zero + "{}", "[" + zero + "]"}) {
-    EXPECT_THAT(RefusalOf(text), HasSubstr("this is not JSON (x.json:1:"));
+    EXPECT_THAT(ReadRefusal(text), HasSubstr("this is not JSON (x.json:1:"));
   }
 }
 
