@@ -98,16 +98,16 @@ TEST(BlindFlight, TheSizeIsThatOfTheLargestComponent) {
   Effect effect;
   effect.name = "gnss_lever_arm";
   effect.value = {0.03, -0.12, 0.0};
-  EXPECT_NEAR(SizeOf(effect), 4.0, 1e-12);
+  EXPECT_NEAR(DrawnSize(effect), 4.0, 1e-12);
   effect.name = "gnss_noise_scale";
   effect.value = {2.5};
-  EXPECT_NEAR(SizeOf(effect), 1.5, 1e-12);
+  EXPECT_NEAR(DrawnSize(effect), 1.5, 1e-12);
   effect.name = "gyro_bias_process";
   effect.value = {0.6, 900.0};
-  EXPECT_NEAR(SizeOf(effect), 2.0, 1e-12) << "a correlation time does not count as a size";
+  EXPECT_NEAR(DrawnSize(effect), 2.0, 1e-12) << "a correlation time does not count as a size";
   effect.name = "p2p_outliers";
   effect.value = {0.03, 20.0};
-  EXPECT_NEAR(SizeOf(effect), 1.0, 1e-12) << "the length of outliers does not count as a size";
+  EXPECT_NEAR(DrawnSize(effect), 1.0, 1e-12) << "the length of outliers does not count as a size";
 }
 
 TEST(BlindFlight, SizesAreOneToTenTimesTheUsualOne) {
@@ -121,9 +121,9 @@ TEST(BlindFlight, SizesAreOneToTenTimesTheUsualOne) {
         EXPECT_LE(beyond, 4.0 + 1e-9);
         continue;
       }
-      EXPECT_GE(SizeOf(effect), 0.5);
-      EXPECT_LE(SizeOf(effect), 10.0 + 1e-9);
-      small += SizeOf(effect) < std::sqrt(10.0) ? 1 : 0;
+      EXPECT_GE(DrawnSize(effect), 0.5);
+      EXPECT_LE(DrawnSize(effect), 10.0 + 1e-9);
+      small += DrawnSize(effect) < std::sqrt(10.0) ? 1 : 0;
       ++count;
     }
   }

@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "gap/some_diagnosis.h"
+#include "diagnosis/some_diagnosis.h"
 
 namespace dn::report_test {
 

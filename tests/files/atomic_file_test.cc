@@ -245,7 +245,7 @@ class PlantedJournal {
 
   void ExpectUntouched() const {
     for (const char* name : {"victim", "bashrc", "elsewhere/1_2.txt", "out/result.json"}) {
-      EXPECT_EQ(ContentOf(folder_.path() / name), "of the user") << name;
+      EXPECT_EQ(ReadText(folder_.path() / name), "of the user") << name;
     }
   }
 
@@ -270,7 +270,7 @@ TEST(OutputDirectory, AJournalInACopyOfAFolderIsRefused) {
   planted.WriteOurs("result.json\n");
   fs::copy(planted.path() / "out", planted.path() / "copy", fs::copy_options::recursive);
   EXPECT_THROW(OutputDirectory{planted.path() / "copy"}, UnusableOutput);
-  EXPECT_EQ(ContentOf(planted.path() / "copy/result.json"), "of the user");
+  EXPECT_EQ(ReadText(planted.path() / "copy/result.json"), "of the user");
 }
 
 TEST(OutputDirectory, AJournalNamesNothingOutside) {
@@ -322,7 +322,7 @@ TEST(OutputDirectory, AStagingFolderThatIsALinkIsLeftAlone) {
   fs::create_directory_symlink(planted.path() / "staging", planted.Staging());
   { const OutputDirectory results(planted.path() / "out"); }
   planted.ExpectUntouched();
-  EXPECT_EQ(ContentOf(planted.path() / "staging/bashrc"), "evil");
+  EXPECT_EQ(ReadText(planted.path() / "staging/bashrc"), "evil");
 }
 
 TEST(OutputDirectory, StagesWhereNobodyElseMayEnter) {
