@@ -36,7 +36,7 @@ TEST_P(InertialNoise, MotionDoesNotShow) {
   const HighBand band = MeasureBand(Fly(GetParam(), "", false));
   for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
     BandEnergy sum;
-    for (const HighBandWindow& window : band.windows) sum += window.Of(triad);
+    for (const HighBandWindow& window : band.windows) sum += window.Total(triad);
     EXPECT_LT(sum.Variance(), 0.001);
   }
 }

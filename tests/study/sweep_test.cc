@@ -72,23 +72,23 @@ TEST(Sweep, RefusesWhatIsNone) {
 TEST(Sweep, IsCountedBeforeItsValuesAreRead) {
   std::string values = "0";
   for (int i = 1; i < 150000; ++i) values += "," + std::to_string(i);
-  EXPECT_THAT(ErrorOf("  pairs.count: [" + values + "]\n"),
+  EXPECT_THAT(ParseErrorText("  pairs.count: [" + values + "]\n"),
               HasSubstr("makes more than 10000 designs"));
   std::string named = "v0: 1";
   for (int i = 1; i < 60000; ++i) named += ", v" + std::to_string(i) + ": 1";
-  EXPECT_THAT(ErrorOf("  pairs.count: {" + named + "}\n"),
+  EXPECT_THAT(ParseErrorText("  pairs.count: {" + named + "}\n"),
               HasSubstr("makes more than 10000 designs"));
 }
 
 TEST(Sweep, NamesAreFitForATerminal) {
-  EXPECT_THAT(ErrorOf("  pairs.count: {\"\\e[31mred\": 1, b: 2}\n"),
+  EXPECT_THAT(ParseErrorText("  pairs.count: {\"\\e[31mred\": 1, b: 2}\n"),
               HasSubstr("the name ' [31mred' holds a line break"));
 }
 
 TEST(Sweep, WhatIsFreeMustBeAnUnknown) {
-  EXPECT_THAT(ErrorOf("  pairs.count: [5]\nestimate: [gnss_lever_arn]\n"),
+  EXPECT_THAT(ParseErrorText("  pairs.count: [5]\nestimate: [gnss_lever_arn]\n"),
               HasSubstr("unknown name 'gnss_lever_arn'; did you mean 'gnss_lever_arm'?"));
-  EXPECT_THAT(ErrorOf("  estimate: [[], [gnss_lever_arn]]\n"),
+  EXPECT_THAT(ParseErrorText("  estimate: [[], [gnss_lever_arn]]\n"),
               HasSubstr("did you mean 'gnss_lever_arm'?"));
 }
 
