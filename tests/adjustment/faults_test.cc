@@ -28,7 +28,7 @@ constexpr double kWorstNees = 24.0;
 constexpr double kSigmas = 4.0;
 constexpr std::uint64_t kSeed = 3;
 // Twice what the INS/GNSS solution may take, with increments integrated again once.
-constexpr int kMostIterations = 160;
+constexpr int kMostIterations = 500;
 
 /// Every fault is tested with a small drone and with an aircraft with a navigation-grade sensor.
 class Faults : public ::testing::TestWithParam<const char*> {

@@ -148,7 +148,7 @@ TEST(GaussHelmertFlight, TheNetworkExposesAnUnstatedConstant) {
   EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated);  // the pairs do not show it
   AssessAgainstNetwork(network.boresight, &gh);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kAbsorbed);
-  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("beyond its stated sigma")));
+  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("above its stated sigma")));
 }
 
 TEST(GaussHelmertFlight, PValueOfADifference) {
@@ -370,7 +370,7 @@ TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
   const double stated_rad = std::sqrt(5e-9);
   EXPECT_GT(gh.boresight.sigma_rad().x(), 0.3 * stated_rad);
   EXPECT_LT(gh.boresight.sigma_rad().x(), 1.1 * stated_rad);
-  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("by trajectory_covariance.txt")));
+  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("according to trajectory_covariance.txt")));
 }
 
 // ---- Bad input ----------------------------------------------------------------------------------

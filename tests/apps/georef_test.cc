@@ -157,8 +157,9 @@ TEST(CliGeoref, StripsWithoutVectorsNeedTheBoresightOfTheirPoints) {
   const std::string warning = "2.las has no laser vectors";
   EXPECT_THAT(flight.Run("georef").err, HasSubstr(warning));
   EXPECT_FALSE(OpenStrip(flight.out() / "strips/2.las")->boresight_rad());
-  flight.Replace("flight.yaml", "  boresight_deg: [0, 0, 0]",
-                 "  boresight_deg: [1, 1, 1]\n  georeferenced_with: {boresight_deg: [0, 0, 0]}");
+  flight.Replace("flight.yaml", "  boresight_deg: [0, 0, 0]", "  boresight_deg: [1, 1, 1]");
+  flight.Replace("flight.yaml", "georeferenced_with: ~",
+                 "georeferenced_with: {boresight_deg: [0, 0, 0]}");
   const ProgramRun run = flight.Run("georef", {"--boresight", "0.2,0.03,0.35"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, Not(HasSubstr(warning)));

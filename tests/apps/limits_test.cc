@@ -96,7 +96,7 @@ TEST(CliLimits, ALargeFileThatIsNoDataNeedsLittleMemory) {
   options.max_memory_bytes = kLittleMemory;
   const ProgramRun run = RunProgram(options);
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("cloud.txt is left out: 7 columns"));
+  EXPECT_THAT(run.out, HasSubstr("cloud.txt is not used: 7 columns"));
 }
 
 TEST(CliLimits, ALinkToItselfIsLeftOut) {
@@ -106,7 +106,7 @@ TEST(CliLimits, ALinkToItselfIsLeftOut) {
   fs::create_symlink("lidar", folder.path() / "lidar");
   const ProgramRun run = RunProgram({"init", folder.path()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("loop.txt is left out: "));
+  EXPECT_THAT(run.out, HasSubstr("loop.txt is not used: "));
   fs::remove(folder.path() / "lidar");
   fs::create_directory(folder.path() / "strips");
   fs::create_symlink("1.las", folder.path() / "strips/1.las");

@@ -251,7 +251,7 @@ TEST_F(SeriesOfThree, AShardIsINotMoreThanN) {
   }
   const ProgramRun empty = Fly(Path("never"), "4/4");
   EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_THAT(empty.err, HasSubstr("has none"));
+  EXPECT_THAT(empty.err, HasSubstr("is empty"));
 }
 
 }  // namespace dn::testing::series_test

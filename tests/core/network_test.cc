@@ -95,7 +95,7 @@ TEST(Network, FindsByNameOrNamesTheNearest) {
   const auto lever = net.AddVector<1>("lever arm", Scalar(0.0));
   EXPECT_EQ(net.Find("lever arm"), lever.id);
   EXPECT_THAT([&] { net.Find("lever am"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("nearest is 'lever arm'")));
+              ThrowsMessage<InvalidInput>(HasSubstr("the nearest name is 'lever arm'")));
 }
 
 TEST(Network, RejectsBadFactors) {

@@ -42,10 +42,10 @@ TEST(StripCrsCheck, AContradictionIsNamed) {
   StripCrs albers;
   albers.epsg = 3005;
   ExpectInvalidIn([&] { CheckStripCrs(albers, "map", "a.las"); }, "convert them to UTM", "a.las");
-  EXPECT_THAT(CheckStripCrs(albers, "utm:10n", "a.las"), HasSubstr("taken as utm:10n"));
+  EXPECT_THAT(CheckStripCrs(albers, "utm:10n", "a.las"), HasSubstr("used as utm:10n"));
   EXPECT_EQ(CheckStripCrs({}, "map", "a.las"), "");
   utm.heights_from_geoid = true;
-  EXPECT_THAT(CheckStripCrs(utm, "utm:32n", "a.las"), HasSubstr("taken as ellipsoidal"));
+  EXPECT_THAT(CheckStripCrs(utm, "utm:32n", "a.las"), HasSubstr("used as ellipsoidal"));
 }
 
 }  // namespace dn::strip_files_test

@@ -373,9 +373,9 @@ TEST(GaussHelmert, RejectsBadInputByName) {
   const GaussHelmertProblem good = MakeStripPairs();
   GaussHelmertProblem bad = good;
   bad.pairs.clear();
-  ExpectInvalid(bad, "there is none");
+  ExpectInvalid(bad, "the problem has 0");
   bad.pairs = {good.pairs[0]};
-  ExpectInvalid(bad, "there is one");
+  ExpectInvalid(bad, "the problem has 1");
   bad.pairs.assign(10, good.pairs[0]);
   ExpectInvalid(bad, "all 10 point pairs are identical");
   bad = good;

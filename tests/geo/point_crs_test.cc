@@ -60,11 +60,11 @@ TEST(PointCrs, CoordinatesOfAnotherSystemAreRefused) {
   const auto to_map = [](const char* name, const Vector3d& p_c) {
     return [=] { PointCrs(name, kSierra).ToMap(p_c); };
   };
-  ExpectInvalid(to_map("map", kUtm), "no point in the mapping frame", 0);
-  ExpectInvalid(to_map("map", {std::nan(""), 0, 0}), "no point in the mapping frame", 0);
-  ExpectInvalid(to_map("utm:11n", kEcef), "no point in UTM", 0);
-  ExpectInvalid(to_map("utm:11n", {-119.0, 37.8, 2600.0}), "no point in UTM", 0);
-  ExpectInvalid(to_map("ecef", kUtm), "no point in ECEF", 0);
+  ExpectInvalid(to_map("map", kUtm), "not a valid point in the mapping frame", 0);
+  ExpectInvalid(to_map("map", {std::nan(""), 0, 0}), "not a valid point in the mapping frame", 0);
+  ExpectInvalid(to_map("utm:11n", kEcef), "not a valid point in UTM", 0);
+  ExpectInvalid(to_map("utm:11n", {-119.0, 37.8, 2600.0}), "not a valid point in UTM", 0);
+  ExpectInvalid(to_map("ecef", kUtm), "not a valid point in ECEF", 0);
 }
 
 TEST(PointCrs, Names) {

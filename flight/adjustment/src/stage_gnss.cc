@@ -148,13 +148,11 @@ class EpochScreener {
     marginals.ComputeSelectedInverse();
     if (const auto misfit = ExplainGnssMisfit(network, marginals)) {
       if (misfit->cause != GnssMisfit::Cause::kClock) return Tell(*misfit);
+      if (run_.has_swapped_network()) ExpectHope();
       FreeClock(misfit->estimate);
-      if (internal::IsHopeless(run_.network())) FailFit(free_.sigma0(), run_);
       return true;
     }
-    if (internal::IsHopeless(network)) {
-      FailFit(EvaluateCost(network.net, run_.options().threads).sigma0(), run_);
-    }
+    ExpectHope();
     const GnssScreening screening(network, marginals);
     const std::optional<GnssJump> jump =
         FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds), noise_ratio_);
@@ -179,6 +177,16 @@ class EpochScreener {
   }
 
  private:
+  /// Throws SensorsContradict if the misfit is hopeless. A free clock that halved the cost leaves
+  /// hope: a clock that steps needs several passes.
+  void ExpectHope() {
+    FlightNetwork& network = run_.network();
+    const CostSummary now = EvaluateCost(network.net, run_.options().threads);
+    const double before = run_.has_swapped_network() ? held_.cost : now.cost;
+    const double after = run_.has_swapped_network() ? free_.cost : now.cost;
+    if (!internal::ClockMayExplain(network, before, after)) FailFit(now.sigma0(), run_);
+  }
+
   /// Adds a warning and returns false. Throws InvalidInput if a clock steps, which no constant
   /// correction removes.
   bool Tell(const GnssMisfit& misfit) {

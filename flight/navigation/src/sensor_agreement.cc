@@ -99,14 +99,16 @@ double WindowLength(const Flight& flight) {
   return std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
 }
 
-/// Mean misfit of the alignments in windows, m/s^2; nullopt where there are fewer than three.
+/// Returns the mean misfit of the alignments in windows, m/s^2; nullopt for fewer than three windows.
 std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& legs, int threads) {
   const double window_s = WindowLength(flight);
   std::vector<internal::InFlight> starts(legs.size());
   ParallelFor(static_cast<int>(legs.size()), threads, [&](int at) {
     const auto k = static_cast<std::size_t>(at);
-    const double begin_s = legs[k].t_begin_s;
-    starts[k] = internal::AlignInFlight(flight, {begin_s, begin_s + window_s}, {});
+    const TimeInterval window{legs[k].t_begin_s, legs[k].t_begin_s + window_s};
+    const bool covered =
+        window.t0_s >= flight.imu->t_begin_s() && window.t1_s <= flight.imu->t_end_s();
+    if (covered) starts[k] = internal::AlignInFlight(flight, window, {});
   });
   double sum = 0.0, n = 0.0;
   for (const internal::InFlight& start : starts) {
@@ -117,7 +119,7 @@ std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& l
   return n < 3.0 ? std::nullopt : std::optional(sum / n);
 }
 
-/// All that are told apart.
+/// Returns all mistakes that can be told apart.
 std::vector<AxesMistake> AllAxesMistakes() {
   using Sensor = AxesMistake::Sensor;
   std::vector<AxesMistake> mistakes{{Sensor::kBoth, -Eigen::Matrix3d::Identity()},
