@@ -41,7 +41,7 @@ struct Count {
   int flights = 0, found = 0;
 };
 
-/// Returns the minimal detectable bias of each effect in a flight with the turbulence of a seed.
+/// Returns the minimal detectable bias of each effect in a flight whose turbulence has this seed.
 std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed) {
   DesignOptions planning;
   planning.seed = seed;

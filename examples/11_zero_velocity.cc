@@ -1,9 +1,9 @@
 // Zero velocity in a measured flight: a small aircraft that stands still before and after the
 // flight.
 //
-// It counts as at rest if specific force and angular rate hardly vary. The benefit shows in the
-// last minute, where GNSS is withheld: prints the position errors there, without and with the
-// factors. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
+// The aircraft counts as at rest if specific force and angular rate hardly vary. GNSS is withheld
+// in the last minute. Prints the position errors there, without and with the factors, to show their
+// benefit. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
 #include <dn/imu/imu_data.h>
 
 #include <algorithm>

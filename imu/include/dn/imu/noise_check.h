@@ -39,7 +39,7 @@ struct NoiseEvidence {
   std::array<double, kImuTriads> scale{};
   /// Additional white noise of both triads in one window at any time.
   double window = 0.0;
-  /// Both together: the noise outside the window has its own level.
+  /// White noise of another level during the whole flight, and additional noise in one window.
   double window_and_scale = 0.0;
   /// The levels of axes and octaves differ: the noise is not white, or not the same in all axes.
   std::array<double, kImuTriads> coloured{};

@@ -161,8 +161,9 @@ class FlightNetwork {
   struct PairEdge;
   std::shared_ptr<const PreintegratedInertial> InertialFactor(
       const InertialEdge& edge, const CalibrationState& calibration) const;
-  /// Returns the same factor with the increments that are in use. Only the derivatives with respect
-  /// to the effects are integrated, over the averaged samples `imu` (AverageSamples).
+  /// Returns the factor of InertialFactor without integrating the increments again: they are those
+  /// in use. Only their derivatives with respect to the effects are integrated, over the averaged
+  /// samples `imu` (AverageSamples).
   std::shared_ptr<const PreintegratedInertial> InertialFactorByMeans(
       const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const;
   std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
