@@ -59,7 +59,7 @@ class JsonPlace {
   std::vector<std::string> Texts() const;
   /// Returns a list of three numbers, with NaN for each null.
   Eigen::Vector3d Vector3() const;
-  /// Returns a list of three numbers, none of which may be null.
+  /// Returns a list of three numbers; null is not allowed.
   Eigen::Vector3d FiniteVector3() const;
   /// Returns a list of three rows of three numbers, with NaN for each null.
   Eigen::Matrix3d Matrix3() const;

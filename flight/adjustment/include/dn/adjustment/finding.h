@@ -14,8 +14,8 @@ namespace dn {
 /// conditions of each value.
 enum class Verdict {
   kCalibrated,  ///< the angles are those of the mounting, within their covariance
-  /// They contain an error of the trajectory or of the georeferencing of the strips: consistent,
-  /// but not those of the mounting.
+  /// The angles absorb an error of the trajectory or of the georeferencing of the strips. They make
+  /// the strips consistent, but are not those of the mounting.
   kAbsorbed,
   kNotObservable,  ///< the data do not determine the angles
   kContradicted,   ///< the data contradict the assumed model; overrides the others

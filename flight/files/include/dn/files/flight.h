@@ -51,8 +51,8 @@ struct Flight {
 /// GNSS is not requested. If flight.yaml does not set the file names, trajectory.txt and
 /// lidar/*.txt are also accepted. A trajectory under its default name needs no section.
 ///
-/// Dropped and counted are GNSS epochs outside time_span_s or the IMU data, pairs outside
-/// time_span_s, and repeated pairs. So are GNSS epochs and pairs in gaps of the IMU data or the
+/// These are dropped and counted: GNSS epochs outside time_span_s or the IMU data, pairs outside
+/// time_span_s, repeated pairs, and GNSS epochs and pairs in gaps of the IMU data or the
 /// trajectory.
 ///
 /// Throws InvalidConfig if the folder, flight.yaml or a needed section is missing. Throws
@@ -81,9 +81,9 @@ Flight ReadFlight(const FlightConfig& config, const FlightNeeds& needs);
 std::vector<LidarPair> SelectPairs(const std::vector<LidarPair>& pairs,
                                    const PairSelection& selection);
 
-/// Returns the time intervals of the strips: those of the configuration, else clusters of the pair
-/// epochs, else straight legs of the trajectory of at least 10 s. Gaps of more than 5 s separate
-/// clusters, which include all pairs if ReadFlight read them.
+/// Returns the time intervals of the strips: those of the configuration, or else clusters of the
+/// pair epochs. Without both, they are the straight legs of the trajectory of at least 10 s. Gaps
+/// of more than 5 s separate clusters, which include all pairs if ReadFlight read them.
 std::vector<StripInterval> FindStrips(const Flight& flight);
 
 /// Returns the straight legs of a trajectory of at least 10 s.
