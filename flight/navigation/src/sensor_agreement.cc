@@ -99,7 +99,8 @@ double WindowLength(const Flight& flight) {
   return std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
 }
 
-/// Mean misfit of the alignments in windows, m/s^2; nullopt where there are fewer than three.
+/// Returns the mean misfit of the alignments in windows, m/s^2; nullopt if fewer than three are
+/// valid.
 std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& legs, int threads) {
   const double window_s = WindowLength(flight);
   std::vector<internal::InFlight> starts(legs.size());
@@ -117,7 +118,7 @@ std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& l
   return n < 3.0 ? std::nullopt : std::optional(sum / n);
 }
 
-/// All that are told apart.
+/// Returns all mistakes that FindAxesMistake distinguishes.
 std::vector<AxesMistake> AllAxesMistakes() {
   using Sensor = AxesMistake::Sensor;
   std::vector<AxesMistake> mistakes{{Sensor::kBoth, -Eigen::Matrix3d::Identity()},

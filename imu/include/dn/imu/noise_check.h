@@ -52,7 +52,7 @@ enum class NoiseHypothesis {
   kAssumed,         ///< the assumed noise
   kScale,           ///< white noise of another level in one triad or both
   kWindow,          ///< additional white noise in a window
-  kWindowAndScale,  ///< additional white noise in a window, and another level in general
+  kWindowAndScale,  ///< additional white noise in a window, and another level elsewhere
   /// Coloured or unsteady noise in one triad or both, from vibration or motion in this band.
   kNotWhite
 };

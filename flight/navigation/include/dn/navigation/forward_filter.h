@@ -74,7 +74,7 @@ FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& time
                            const FilterState& start, const FilterOptions& options = {});
 
 /// Returns the filter state at a pose. The processes have the prior covariance of the IMU and GNSS
-/// models; attitude (rad, about body x, y, z), position and velocity have the given sigmas.
+/// models. Attitude (rad, about body x, y, z), position and velocity have the given sigmas.
 FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
                             const Eigen::Vector3d& gyro_bias_radps,
                             const Eigen::Vector3d& accel_bias_mps2,

@@ -46,8 +46,9 @@ AxesFit FitAxes(const BodyDirections& directions);
 struct AxesMistake {
   enum class Sensor { kGyro, kAccel, kBoth };
   Sensor sensor = Sensor::kGyro;
-  /// Matrix from the declared to the right data: one sign, an exchange of two axes, or all signs;
-  /// for gyros also 180/pi or pi/180 (rad/s declared as deg/s, and the reverse).
+  /// Matrix from the declared to the right data. It changes one sign, exchanges two axes, or
+  /// changes all signs. For gyros it may also be a factor of 180/pi or pi/180 (rad/s declared as
+  /// deg/s, and the reverse).
   Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
 };
 
