@@ -193,8 +193,8 @@ double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
   return std::sqrt(sum / static_cast<double>(effect.size()));
 }
 
-// Returns the root mean square, in sigmas, of the change of the residuals by an offset of the
-// positions of a run.
+// Returns the root mean square, in sigmas, of the change that an offset of the positions of a run
+// makes to the residuals.
 double Moved(const std::vector<ActivePosition>& positions, const Run& run,
              const Eigen::Vector3d& offset_m) {
   double sum = 0.0;

@@ -60,11 +60,10 @@ struct ImuGap {
   double t_end_s = 0.0;
 };
 
-/// Hole that is too short to count as a gap. The sample after the hole also covers the hole, which
-/// is (t_begin_s, row.t_s - row.dt_s]. The rates in the hole are taken as the mean of both
-/// neighbouring samples. The errors are estimated by interpolating known samples nearby in the same
-/// way, up to 64 on either side. The axis with the largest errors determines the sigma of all
-/// three.
+/// Hole that is too short to count as a gap. The hole is (t_begin_s, row.t_s - row.dt_s], and the
+/// sample after it also covers it. The rates in the hole are taken as the mean of both neighbouring
+/// samples. The errors are estimated by interpolating known samples nearby in the same way, up to
+/// 64 on either side. The axis with the largest errors determines the sigma of all three.
 struct ImuBridge {
   double t_begin_s = 0.0;
   ImuSample row;                 ///< the sample after the hole, over its own interval only

@@ -97,7 +97,8 @@ struct MatchResult {
 ///
 /// The alignment of `source` is set to the result. The result is the same for any number of
 /// threads. Throws InvalidInput like MatchSource::Read, for fewer than two strips, and if no two
-/// strips overlap; InvalidConfig if gsd_m is below a tenth of the distance between the points.
+/// strips overlap. Throws InvalidConfig if gsd_m is below a tenth of the distance between the
+/// points.
 MatchResult MatchFlight(FlightMatchSource* source, const MatchOptions& options);
 
 /// Runs only the first of these stages: turns the boresight of `source` until the strips agree to

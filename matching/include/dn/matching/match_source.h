@@ -39,7 +39,7 @@ struct MatchStrip {
 };
 
 /// Returns the strips in the files. If a file has points of two or more source ids, the files are
-/// tiles and each id is a strip; otherwise each file is a strip. Throws InvalidInput like
+/// tiles and each id is a strip. Otherwise each file is a strip. Throws InvalidInput like
 /// OpenStrip.
 std::vector<MatchStrip> FindMatchStrips(const std::vector<std::filesystem::path>& files);
 

@@ -26,8 +26,8 @@ class AdjustmentRun {
 
   /// Kind of inertial edges in the present network. Raw inertial data are used only at the end:
   /// preintegrated increments between fewer nodes are enough to reject outliers. They are used from
-  /// the start if the options have their own stages or customise_before_lidar, because a second
-  /// network would lack the user's blocks and factors.
+  /// the start if the options have their own stages or customise_before_lidar. A second network
+  /// would lack the user's blocks and factors.
   NetworkConfig::Inertial inertial() const { return inertial_; }
   void TakeRawInertial() { inertial_ = NetworkConfig::Inertial::kRaw; }
 

@@ -51,7 +51,7 @@ struct Flight {
 /// GNSS is not requested. If flight.yaml does not set the file names, trajectory.txt and
 /// lidar/*.txt are also accepted. A trajectory under its default name needs no section.
 ///
-/// These are dropped and counted: GNSS epochs outside time_span_s or the IMU data, pairs outside
+/// GNSS epochs outside time_span_s or the IMU data are dropped and counted. So are pairs outside
 /// time_span_s, repeated pairs, and GNSS epochs and pairs in gaps of the IMU data or the
 /// trajectory.
 ///

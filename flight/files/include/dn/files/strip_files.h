@@ -33,7 +33,7 @@ struct StripGeoreferencing {
 /// Returns the georeferencing of the strips of a flight, which must have a section `lidar`.
 StripGeoreferencing StripsGeoreferencing(const FlightConfig& config);
 
-/// Returns the origin of a strip's laser vectors: the file itself, else the boresight that it
+/// Returns the origin of a strip's laser vectors. It is the file itself, else the boresight that it
 /// records, else the declared one, else that of the mounting. Throws InvalidConfig if the recorded
 /// and the declared boresight differ by more than 1e-6 deg.
 VectorOrigin FindVectorOrigin(const StripReader& strip, const StripGeoreferencing& made_with,
