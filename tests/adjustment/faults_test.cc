@@ -27,7 +27,8 @@ using ::testing::HasSubstr;
 constexpr double kWorstNees = 24.0;
 constexpr double kSigmas = 4.0;
 constexpr std::uint64_t kSeed = 3;
-// Twice what the INS/GNSS solution may take, with increments integrated again once.
+// Twice the number of iterations that the INS/GNSS solution may take if the increments are
+// integrated again once.
 constexpr int kMostIterations = 160;
 
 /// Every fault is tested with a small drone and with an aircraft with a navigation-grade sensor.

@@ -306,7 +306,7 @@ void SolveInsGnss(AdjustmentRun& run) {
   run.SetGnssLoss(internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
   for (int k = 0; k < internal::kMaxRepreintegrations && run.network().BiasChange() > 1.0; ++k) {
-    if (k > 0 && internal::IsHopeless(run.network())) break;  // the biases follow something else
+    if (k > 0 && internal::IsHopeless(run.network())) break;  // another cause drives the biases
     run.network().Repreintegrate();
     run.Solve("INS/GNSS, new increments", run.options().max_iterations);
   }

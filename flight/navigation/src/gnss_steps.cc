@@ -61,7 +61,8 @@ struct Run {
   std::size_t first, past;  // indices into the positions
 };
 
-// Returns the runs between any two of the boundaries before and after the given positions.
+// Returns the runs of positions that begin and end directly before or after one of the given
+// positions, at most half of all positions long.
 std::vector<Run> RunsBetween(const std::vector<ActivePosition>& positions,
                              const std::vector<FactorId>& ends) {
   std::set<std::size_t> places;

@@ -256,13 +256,13 @@ class TurnCorrelation {
   double n_ = 0, sx_ = 0, sy_ = 0, sxx_ = 0, syy_ = 0, sxy_ = 0;
 };
 
-// Lags in steps, from -kMostLagS to kMostLagS.
+// Number of lags from kMostLagS down to -kMostLagS.
 constexpr int kLags = static_cast<int>(2.0 * kMostLagS / kLagStepS) + 1;
 
 double LagSeconds(int step) { return kMostLagS - step * kLagStepS; }
 
-/// Returns the correlation of the turns with those of the gyros for each lag, the longest lag
-/// first.
+/// Returns the correlation of the turns with those of the gyros for each lag, from kMostLagS down
+/// to -kMostLagS.
 std::vector<TurnCorrelation> CorrelationsByLag(const std::vector<Turn>& turns,
                                                const TurnedAngle& gyro) {
   std::vector<TurnCorrelation> by_lag(kLags);

@@ -45,8 +45,8 @@ struct ImuReadOptions {
   double force_unit_mps2 = 1.0;
   /// Rotation from the axes of the file to body (forward-right-down).
   Eigen::Matrix3d R_imu_to_body = Eigen::Matrix3d::Identity();
-  double time_offset_s =
-      0.0;                    ///< error of the time tags, tag = t + time_offset_s; subtracted first
+  /// Error of the time tags, tag = t + time_offset_s; subtracted first.
+  double time_offset_s = 0.0;
   double t_begin_s = -1e300;  ///< rows outside [t_begin_s, t_end_s] are ignored
   double t_end_s = 1e300;
   /// A longer step between samples is a gap; a shorter hole is bridged. Absent: the limit of

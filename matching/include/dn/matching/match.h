@@ -16,8 +16,8 @@ namespace dn {
 
 /// Options of the matching of strips.
 struct MatchOptions {
-  std::optional<double>
-      gsd_m;  ///< Ground sampling distance; absent: derived from the density of the points.
+  /// Ground sampling distance; absent: derived from the density of the points.
+  std::optional<double> gsd_m;
   /// Search radius for a flight: largest error of the initial boresight about each axis.
   double search_rad = 5.0 * 3.14159265358979323846 / 180.0;
   double search_m = 10.0;         ///< search radius for bare strips

@@ -17,7 +17,7 @@ namespace dn {
 /// Points of a strip in the form that a MatchSource stores; it computes positions from them.
 struct RawPoints {
   std::vector<double> t_s;
-  /// M; for a flight the laser vector, for bare strips the position.
+  /// Laser vector for a flight, position for bare strips, m.
   std::vector<Eigen::Vector3d> x;
 
   std::size_t size() const { return t_s.size(); }

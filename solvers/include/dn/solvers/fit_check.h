@@ -40,8 +40,8 @@ struct ChannelFit {
   double variance_ratio = 1.0;  ///< sum of squared residuals / redundancy
   double p_value = 1.0;         ///< two-sided p-value of variance_ratio against 1
   RowFit worst;  ///< row with the largest |w| among the rows that the fit does not absorb
-  double minimal_detectable =
-      0.0;  ///< median of OutlierTest::MinimalDetectableBias over the rows, sigmas
+  /// Median of OutlierTest::MinimalDetectableBias over the rows, sigmas.
+  double minimal_detectable = 0.0;
 };
 
 /// Result of testing whether the residuals of a network agree with its noise model.

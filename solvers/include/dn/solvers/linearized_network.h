@@ -33,8 +33,8 @@ class LinearizedNetwork {
     FactorId factor = -1;
     int first = 0;
     int count = 0;
-    double weight =
-        1.0;  ///< rho' of its robust loss; r and J contain its square root, see ToRowScaling
+    /// rho' of its robust loss; r and J contain its square root, see ToRowScaling.
+    double weight = 1.0;
   };
 
   /// Identification of a row.

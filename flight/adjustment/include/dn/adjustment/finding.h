@@ -97,8 +97,8 @@ struct GnssLeverArmOff {
 /// The GNSS time tags disagree with those of the inertial data.
 struct GnssTimeOff {
   ClockEstimate clock;
-  double max_shift_sigmas =
-      0.0;  ///< largest shift of a watched unknown by the clock error, in its sigmas
+  /// Largest shift of a watched unknown by the clock error, in its sigmas.
+  double max_shift_sigmas = 0.0;
   bool moves_boresight = false;  ///< otherwise the trajectory
 };
 

@@ -25,8 +25,8 @@ struct BodyDirections {
 
 /// Determines the mean directions of gravity and course in body axes. The attitude is determined
 /// again every half minute by in-flight alignment. The result therefore does not depend on an
-/// initial value, and common gyro biases do not matter (1000 deg/h turns it by 8 deg). The result
-/// has no course if GNSS is absent.
+/// initial value. Common gyro biases do not matter: 1000 deg/h turns the result by 8 deg. The
+/// result has no course if GNSS is absent.
 BodyDirections FindBodyDirections(const Flight& flight, int threads = 1);
 
 /// The nearest of the 24 possible orientations of an instrument with parallel axes, and the
