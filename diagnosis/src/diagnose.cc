@@ -299,9 +299,9 @@ class Diagnosis {
     return std::nullopt;
   }
 
-  /// Returns whether a discrepancy describes the data better than the named effects. The
-  /// second-order terms of a large effect may fit a discrepancy of many components; they vanish
-  /// once the flight is adjusted with the effect.
+  /// Returns whether a discrepancy describes the data better than the named effects. A discrepancy
+  /// of many components may fit the second-order terms of a large effect. These terms vanish once
+  /// the flight is adjusted with the effect.
   bool DiscrepancyIsBetter(const SelectedModel& attribution) const {
     const double margin = std::max(kDiscrepancyLeadNats, kSecondOrder * attribution.explained_nats);
     if (attribution.discrepancy_nats <= attribution.explained_nats + kDiscrepancyLeadNats)

@@ -71,7 +71,7 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
   Foretold best;
   double most = -1.0;
   std::vector<CandidateEffect> candidates = CandidateEffects(network);
-  // The model check does not search for its window.
+  // The model check does not search for the window of a step, so the test states it.
   if (effect.unknown == "gnss_position_step") {
     candidates = {StepInWindow(network, effect.times)};
   }

@@ -478,8 +478,8 @@ std::vector<StripPoint> ReadStrip(const Flight& flight, const fs::path& file, st
   return points;
 }
 
-// This flight has no pairs, so the nearest points of the two lines replace them. They slide along
-// the surfaces, so the angles are weak; the test shows only that the lines get closer.
+// This flight has no pairs, so the nearest points of the two lines replace them. The nearest points
+// slide along the surfaces, so the angles are weak; the test shows only that the lines get closer.
 TEST(GaussHelmertFlight, DrawsTheLinesOfARealFlightTogether) {
   const fs::path folder = SharedData("tent");
   if (!fs::exists(folder)) GTEST_SKIP() << "no real data in " << folder;

@@ -84,7 +84,7 @@ TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const
     const double off = i == 0 ? 0.0 : rho * sub[i - 1];
     const double next = 1.0 + rho * diagonal[i] - (i == 0 ? 0.0 : off * off / pivot);
     forward = c[i] - (i == 0 ? 0.0 : off / pivot * forward);
-    // As for the eigenvalues of I + rho T, which are >= 1 except for rounding.
+    // Like the eigenvalues of I + rho T, the pivots are >= 1 except for rounding.
     pivot = std::max(next, 1.0);
     out.log_det += std::log(pivot);
     out.explained += rho * forward * forward / pivot;
@@ -341,7 +341,8 @@ class ScatterEstimator {
     return {tridiagonal.diagonal(), tridiagonal.subDiagonal(), tridiagonal.matrixQ().adjoint() * c};
   }
 
-  // Adds a grid point for each error size s of the last effect.
+  // Adds grid points for the last element of effects_: one for each error scale s and each of
+  // `sizes`.
   void AddPoints(const Information& information, const std::vector<Sizes>& sizes) {
     for (int step = kRhoStepsPerOctave * kFirstRhoOctave;
          step <= kRhoStepsPerOctave * kLastRhoOctave; ++step) {

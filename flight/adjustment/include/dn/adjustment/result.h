@@ -33,7 +33,7 @@ struct BiasEstimate {
 
 /// Correlation of the boresight (rows roll, pitch, yaw) with the total bias (columns x, y, z).
 struct BiasCorrelation {
-  /// At the node nearest the mean lidar epoch.
+  /// Correlation at the node nearest the mean lidar epoch.
   Eigen::Matrix3d at_barycentre = Eigen::Matrix3d::Zero();
   double max_abs = 0.0;  ///< over all nodes and axes
   double rms = 0.0;

@@ -20,7 +20,7 @@ struct FilterState {
   MapPose pose;
   std::vector<Eigen::Vector3d> gyro_bias;   ///< per process, rad/s
   std::vector<Eigen::Vector3d> accel_bias;  ///< per process, m/s^2
-  /// Per process, in units of its sigmas, see CorrelatedGnssError.
+  /// One value per process of GNSS errors, in units of its sigmas (see CorrelatedGnssError).
   std::vector<Eigen::Vector3d> gnss_error;
   Eigen::MatrixXd covariance;
 
