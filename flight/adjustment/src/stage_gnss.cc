@@ -93,8 +93,9 @@ void ExpectFit(AdjustmentRun& run) {
   FailFit(sigma0, run);
 }
 
-/// A clock that is off by more leaves no node near the time of its epochs: no adjustment with the
-/// assumed clock converges.
+/// Throws SensorsContradict if the GNSS clock is off by more than kLargestClockOffsetS. There is
+/// then no node near the true times of the epochs, and no adjustment with the assumed clock
+/// converges.
 void ExpectNearClock(AdjustmentRun& run) {
   const auto& clock = run.result().gnss_clock;
   if (!clock || std::abs(clock->offset_s) <= kLargestClockOffsetS) return;

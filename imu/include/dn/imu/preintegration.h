@@ -93,7 +93,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
 
 /// Computes the increments of Preintegrate from one beginning to several ends in increasing order.
 /// Every sample is integrated only once. `imu` and `noise` must outlive this object. Throws as
-/// Preintegrate.
+/// Preintegrate does.
 class IncrementalPreintegrator {
  public:
   IncrementalPreintegrator(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,

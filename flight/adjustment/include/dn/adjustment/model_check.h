@@ -68,8 +68,7 @@ struct ModelCheck {
 ///   - the configuration says that a diagnosis found an unmodelled discrepancy.
 ///
 /// `marginals` must be of the adjusted network, with its selected inverse. `trajectory` must be the
-/// result of ExtractTrajectory for both. CheckFit makes those of these tests that apply to any
-/// network.
+/// result of ExtractTrajectory for both. CheckFit makes the tests that apply to any network.
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads = 1);
 

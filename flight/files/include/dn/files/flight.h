@@ -33,7 +33,7 @@ struct Flight {
   LocalFrame frame{Geodetic{}};
   std::optional<ImuData> imu;
   std::optional<MapGnss> gnss;  ///< only epochs inside time_span_s
-  /// After the selection by lidar.pairs; without pairs outside time_span_s.
+  /// Pairs after the selection by lidar.pairs, without those outside time_span_s.
   std::optional<PairData> pairs;
   /// The strips found from all pairs before the selection (FindStrips).
   std::vector<StripInterval> pair_strips;
