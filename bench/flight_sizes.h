@@ -17,8 +17,9 @@ struct FlightSize {
   int blocks = 1;  ///< number of blocks with these lines, 6 km apart, flown one after the other
 };
 
-/// Returns the sizes: 5 min with 1,000 pairs, 10 min with 20,000, 20 min with 5,000, 60 min with
-/// 20,000; and 2, 4 and 8 hours, as one growing block and as blocks of one hour each.
+/// Returns the sizes: 5 min with 1,000 pairs, 10 min with 20,000, 20 min with 5,000, and 60 min
+/// with 20,000. Flights of 2, 4 and 8 hours exist as one growing block and as blocks of one hour
+/// each.
 const std::vector<FlightSize>& FlightSizes();
 
 /// Returns the size with this name. Throws std::out_of_range for an unknown name.

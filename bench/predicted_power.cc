@@ -32,8 +32,8 @@ const std::vector<std::string> kEffects{
     "gnss_time_offset",   "gnss_time_drift",   "lidar_time_offset", "lidar_time_drift",
     "lidar_range_offset", "lidar_range_scale", "lidar_angle_scale", "lidar_scan_cone"};
 
-// Sizes relative to the one that the first plan finds with a power of .8: the size for a power of
-// .5, and that size itself.
+// Tested sizes, relative to the size that the first plan finds with a power of .8. The first is the
+// size for a power of .5, the second that size itself.
 constexpr double kTimes[] = {kQuantile / kNonCentrality, 1.0};
 
 struct Count {
@@ -41,7 +41,7 @@ struct Count {
   int flights = 0, found = 0;
 };
 
-/// Returns the minimal detectable bias of each effect in a flight with the turbulence of a seed.
+/// Returns the minimal detectable bias of each effect in a flight whose turbulence has this seed.
 std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed) {
   DesignOptions planning;
   planning.seed = seed;

@@ -34,8 +34,8 @@ constexpr double kTimesIdentifiable = 4.0;
 struct Error {
   std::string effect;
   int axis = 0;
-  std::optional<std::pair<double, double>> window_s =
-      std::nullopt;  ///< seconds after the first epoch; applies between epochs
+  /// Seconds after the first epoch; applies between epochs.
+  std::optional<std::pair<double, double>> window_s = std::nullopt;
 };
 
 AdjustOptions InsGnss() {

@@ -43,7 +43,7 @@ struct Options {
   bool rate_check = true;
 };
 
-/// The agreed limits for one case, from reading to written covariances.
+/// Agreed limits of time and memory for one case, from reading the data to writing the covariances.
 struct Goal {
   std::string size;
   std::string grade;

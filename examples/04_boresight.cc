@@ -1,7 +1,7 @@
 // The boresight of a simulated flight, in memory: IMU, GNSS and lidar point pairs in one network.
 //
-// Prints the true angles, the estimates with their standard deviations, the correlation of the
-// boresight with the biases, and whether the data agree with the model.
+// Prints the true angles, and the estimates with their standard deviations. Also prints the
+// correlation of the boresight with the biases, and whether the data agree with the model.
 #include <dn/adjustment/solution.h>
 #include <dn/adjustment/words.h>
 #include <dn/sim/simulate.h>

@@ -37,7 +37,8 @@ std::vector<dn::MapPose> Fly(const std::vector<Eigen::Vector2d>& legs) {
   return poses;
 }
 
-/// Returns pairs of points on the ground: each point connects consecutive passes abeam of it.
+/// Returns pairs for points on the ground. Each point is observed on two consecutive passes, at the
+/// epochs when it is abeam.
 std::vector<dn::LidarPair> Pairs(const std::vector<dn::MapPose>& poses,
                                  const dn::Mounting& mounting) {
   std::vector<dn::LidarPair> pairs;

@@ -1,9 +1,9 @@
 // Zero velocity in a measured flight: a small aircraft that stands still before and after the
 // flight.
 //
-// It counts as at rest if specific force and angular rate hardly vary. The benefit shows in the
-// last minute, where GNSS is withheld: prints the position errors there, without and with the
-// factors. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
+// The aircraft counts as at rest if specific force and angular rate hardly vary. GNSS is withheld
+// in the last minute. Prints the position errors there, without and with the factors, to show their
+// benefit. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
 #include <dn/imu/imu_data.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ double Scatter(const dn::ImuData& imu, double t_s, Eigen::Vector3d dn::ImuSample
   return std::sqrt(variance);
 }
 
-/// At rest, this aircraft has 0.03 to 0.05 m/s^2 and 0.3 to 1 deg/s; moved by hand or in flight, at
-/// least 0.5 m/s^2 and 3 deg/s. Few readings lie in between.
+/// At rest, this aircraft has 0.03 to 0.05 m/s^2 and 0.3 to 1 deg/s. Moved by hand or in flight, it
+/// has at least 0.5 m/s^2 and 3 deg/s. Few readings lie in between.
 bool IsAtRest(const dn::ImuData& imu, double t_s) {
   return Scatter(imu, t_s, &dn::ImuSample::f_b_mps2) < 0.1 &&
          Scatter(imu, t_s, &dn::ImuSample::w_ib_b_radps) < 1.5 * dn::kRadPerDeg;

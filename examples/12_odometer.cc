@@ -11,8 +11,9 @@
 
 constexpr double kScale = 0.02, kSigma_mps = 0.05;
 
-/// Returns computed minus measured speed along the odometer's direction (`angle` right of the
-/// nose), and the computed speed across it, where a wheel does not slip.
+/// Returns two residuals. The first is computed minus measured speed along the odometer's direction
+/// (`angle` right of the nose). The second is the computed speed across it, because a wheel does
+/// not slip sideways.
 template <class T>
 Eigen::Matrix<T, 2, 1> AlongAndAcross(const dn::KinematicState<T>& state, const T& scale,
                                       const T& angle, double reading_mps) {

@@ -45,7 +45,8 @@ struct Failure {
   std::string message;
 };
 
-// A path must contain a slash, so that a plain word of the message is not taken for it.
+// Returns whether the message names the path `where`. The path must contain a slash, because a
+// plain word of the message could equal it.
 bool Names(const std::string& message, const std::string& where) {
   return where.find('/') != std::string::npos && message.find(where) != std::string::npos;
 }

@@ -136,8 +136,8 @@ std::optional<Eigen::Vector2d> WayBetween(const std::vector<MapGnssEpoch>& epoch
 }
 
 /// Returns the rms difference between the motion of the positions and the velocities, m/s.
-/// exchanged: swaps latitude and longitude first. The legs are long enough for the noise of the
-/// positions to be a fifth of the speed.
+/// exchanged: swaps latitude and longitude first. The legs are so long that the noise of the
+/// positions changes the speed by a fifth at most.
 double VelocityMisfit(const Flight& flight, double speed_mps, bool exchanged) {
   const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
   const double leg_s = std::max(1.0, 10.0 * TypicalGnssSigma(flight) / speed_mps);

@@ -121,7 +121,7 @@ std::size_t CountWithoutVectors(const fs::path& folder) {
     try {
       const auto strip = OpenStrip(file);
       return !strip->has_vectors() && !strip->boresight_rad();
-    } catch (const InvalidInput&) {  // told by the commands that read strips
+    } catch (const InvalidInput&) {  // the commands that read strips report it
       return false;
     }
   }));

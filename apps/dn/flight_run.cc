@@ -124,8 +124,8 @@ std::vector<std::string> FormatHints(const Flight& flight, int threads) {
   return texts;
 }
 
-/// A mistake in the axes, else the hints take the place of the general remedy where the sensors
-/// contradict each other.
+/// Adjusts the flight. If the sensors contradict each other, the message names a mistake in the
+/// axes, or else the hints, instead of the general remedy.
 Adjustment AdjustNamingCauses(const Flight& flight, const AdjustOptions& options,
                               const std::vector<std::string>& hints) {
   try {

@@ -96,7 +96,8 @@ StoredBoresight ReadResult(const fs::path& file) {
   }
 }
 
-/// Throws InvalidInput for a result that says itself that its angles cannot be relied on.
+/// Throws InvalidInput if the verdict says that the angles of the result cannot be relied on. With
+/// --anyway, and for absorbed angles, only warns.
 void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run& run) {
   if (result.verdict == Word(Verdict::kAbsorbed)) {
     run.progress.Warn(

@@ -8,10 +8,10 @@ namespace dn::apps {
 /// Returns true after SIGINT, SIGTERM or SIGHUP.
 bool SignalReceived();
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP. A signal asks the work to stop. After another
-/// 0.4 s, or at a second signal, the program is ended by force: the staged files are removed and
-/// the exit code is 130. SIGHUP stays ignored if the program was started so (nohup). SIGPIPE and
-/// SIGXFSZ are ignored, so that a closed pipe or a file-size limit gives a write error.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP. A signal asks the work to stop. 0.4 s later,
+/// or at a second signal, the program is ended by force. The staged files are then removed and the
+/// exit code is 130. SIGHUP stays ignored if it was ignored when the program started (nohup).
+/// SIGPIPE and SIGXFSZ are ignored, so that a closed pipe or a file-size limit gives a write error.
 void InstallSignalHandlers();
 
 /// Sets the actions of a forced end: print the error line `message`, remove the directory

@@ -34,7 +34,7 @@ void WarnIf(const std::string& warning, Run& run) {
   if (!warning.empty()) run.progress.Warn(warning);
 }
 
-/// Returns the least reliable origin of their laser vectors.
+/// Checks the strips and returns the least reliable origin of their laser vectors.
 VectorOrigin CheckStrips(const std::vector<fs::path>& files, const std::string& strips_crs,
                          const StripGeoreferencing& made_with, Run& run) {
   VectorOrigin weakest;

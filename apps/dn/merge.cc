@@ -101,7 +101,7 @@ Shards Gather(const std::vector<std::string>& folders) {
   return shards;
 }
 
-/// Reads the records in the order of their numbers, all before the first is copied to `folder`.
+/// Reads all records in the order of their numbers, and then copies them to `folder`.
 template <class Record>
 std::vector<Record> Records(const Shards& shards, const fs::path& folder,
                             const RecordReader<Record>& reader) {
@@ -122,7 +122,7 @@ std::vector<Record> Records(const Shards& shards, const fs::path& folder,
   return records;
 }
 
-/// The list of inputs in the report of a shard.
+/// Returns the list of inputs in the report of a shard.
 Json ShardInputs(const fs::path& folder) {
   const fs::path file = ReportFile(folder);
   const Json report = ReadJsonFile(file);

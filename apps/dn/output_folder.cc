@@ -27,7 +27,7 @@ bool Same(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, none);
 }
 
-/// Device and inode: what two names of one file share.
+/// Device and inode number, which are equal for two names of one file.
 using FileId = std::pair<dev_t, ino_t>;
 
 std::optional<FileId> FindFileId(const fs::path& file) {

@@ -37,7 +37,8 @@ class RecordFolder {
   void Write(std::uint64_t number, Json record) const;
 
   /// Reads a record file that must exist. Throws InvalidInput if it is not a regular file or not a
-  /// record, if it has another number, or if it was not made from the content with this `hash`.
+  /// record. Also throws if it has another number, or was not made from the content with this
+  /// `hash`.
   template <class Record>
   static Record ReadFile(const std::filesystem::path& file, std::uint64_t number,
                          const std::string& hash, const RecordReader<Record>& reader) {
@@ -56,10 +57,10 @@ class RecordFolder {
   static bool IsThere(const std::filesystem::path& file);
 
   static std::filesystem::path MadeFromFile(const std::filesystem::path& folder);
-  /// Reads from which scenario and options the records of a folder were made. Throws InvalidInput
-  /// if the folder does not state it.
+  /// Reads the scenario and the options from which the records of a folder were made. Throws
+  /// InvalidInput if the folder does not state it.
   static Json MadeFrom(const std::filesystem::path& folder);
-  /// The hash that the records made from it hold.
+  /// Returns the hash of `made_from`, which each record made from it contains.
   static std::string MadeFromHash(const Json& made_from);
 
  private:

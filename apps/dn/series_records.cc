@@ -22,7 +22,7 @@ void ExpectNumber(const JsonPlace& record, const char* key, std::uint64_t expect
   }
 }
 
-/// The names of the scenarios that blind flights are made from.
+/// Returns the names of the scenarios from which blind flights are made.
 std::vector<std::string> ScenarioNamesIn(const JsonPlace& scenarios) {
   std::vector<std::string> names;
   for (const JsonPlace& scenario : scenarios.Elements()) {
@@ -32,7 +32,7 @@ std::vector<std::string> ScenarioNamesIn(const JsonPlace& scenarios) {
   return names;
 }
 
-/// The labels of every key of a sweep.
+/// Returns the labels of every key of a sweep.
 std::vector<std::vector<std::string>> LabelsIn(const JsonPlace& made_from) {
   const JsonPlace place = made_from.At("labels");
   std::vector<std::vector<std::string>> labels;
@@ -46,7 +46,7 @@ std::vector<std::vector<std::string>> LabelsIn(const JsonPlace& made_from) {
   return labels;
 }
 
-/// The labels of a design, from 1; the last key changes fastest.
+/// Returns the labels of design `number`, which counts from 1; the last key changes fastest.
 std::vector<std::string> DesignLabels(const std::vector<std::vector<std::string>>& labels,
                                       std::uint64_t number) {
   std::vector<std::string> chosen;

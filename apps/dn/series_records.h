@@ -9,14 +9,15 @@
 
 namespace dn::apps {
 
-/// Readers of the records of a series, the same for a run that is taken up and for shards that are
-/// merged: number, seed and labels are those that the series gives this number. `made_from` is what
-/// made_from.json of the series holds; what it lacks is refused by InvalidInput.
+/// These functions return readers for the records of a series, for resuming a run and for merging
+/// shards. A reader accepts only the seed and the labels that the series has for the number of the
+/// record. `made_from` is the content of made_from.json of the series. Throws InvalidInput if it is
+/// incomplete.
 RecordReader<FlightRecord> FlightRecordReader(const JsonPlace& made_from);
 RecordReader<BlindRecord> BlindRecordReader(const JsonPlace& made_from);
 RecordReader<SweepRecord> SweepRecordReader(const JsonPlace& made_from);
 
-/// Throws InvalidInput where a series is not as long as the sweep that it was made from.
+/// Throws InvalidInput unless a series is as long as the sweep that it was made from.
 void ExpectAllDesigns(const JsonPlace& made_from, const Series& series);
 
 }  // namespace dn::apps

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 
-/// The hash of all that is added.
+/// Computes the SHA-256 of all bytes that are added.
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {

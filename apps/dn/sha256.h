@@ -8,7 +8,7 @@
 
 namespace dn::apps {
 
-/// SHA-256 (FIPS 180-4) in hexadecimal digits.
+/// Returns the SHA-256 (FIPS 180-4) of `bytes` in hexadecimal digits.
 std::string Sha256Hex(std::string_view bytes);
 
 struct FileIdentity {
@@ -16,12 +16,12 @@ struct FileIdentity {
   std::string sha256;
 };
 
-/// Size and SHA-256 of a file; nothing where it cannot be read. Throws Interrupted when a signal
-/// comes.
+/// Returns size and SHA-256 of a file; nullopt if it cannot be read. Throws Interrupted after a
+/// signal.
 std::optional<FileIdentity> IdentifyFile(const std::filesystem::path& file);
 
-/// SHA-256 of the file of this program, which differs between two builds of one version. Throws
-/// InvalidInput where it cannot be read.
+/// Returns the SHA-256 of this program's executable file. It differs between two builds of one
+/// version. Throws InvalidInput if the file cannot be read.
 const std::string& ProgramHash();
 
 }  // namespace dn::apps

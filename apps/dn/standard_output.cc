@@ -22,7 +22,7 @@ bool WriteToStandardOutput(std::string_view text) {
   return true;
 }
 
-// As fopencookie(3) asks: the number of bytes taken, 0 for an error.
+// Write function for fopencookie(3). Returns the number of bytes taken, or 0 for an error.
 ssize_t WriteShown(void* stream, const char* bytes, std::size_t count) {
   try {
     const std::string shown = static_cast<PrintableStream*>(stream)->Next({bytes, count});

@@ -2,9 +2,9 @@
 
 namespace dn::apps {
 
-/// Everything that is printed on stdout from here on passes a PrintableStream: no control character
-/// of a file or a name reaches the terminal. It waits in a buffer until it is flushed, so that an
-/// unwritable stdout does not end the work before its end.
+/// From this call on, all output to stdout passes through a PrintableStream, so that control
+/// characters in files or names do not reach the terminal. The output is buffered until it is
+/// flushed. If stdout cannot be written, the command therefore still completes its work.
 void GuardStandardOutput();
 
 }  // namespace dn::apps

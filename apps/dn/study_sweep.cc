@@ -45,7 +45,7 @@ Json PathsJson(const Sweep& sweep) {
   return paths;
 }
 
-/// For each key the labels of its values.
+/// Returns the labels of the values of each key.
 Json LabelsJson(const Sweep& sweep) {
   Json labels = Json::array();
   for (const SweepKey& key : sweep.keys()) {

@@ -172,7 +172,7 @@ class ForwardSelection {
   const ExtendedModelFitter& fitter_;
   double threshold_nats_;
   SelectedModel out_;
-  // Models with the first causes; each has one cause more than the one before.
+  // Earlier fits, in order: with the first cause, with the first two causes, and so on.
   std::vector<std::unique_ptr<ExtendedFit>> before_;
   std::unique_ptr<ExtendedFit> scratch_;
   std::vector<std::pair<std::size_t, std::vector<ScreenedEffect>>> kept_;

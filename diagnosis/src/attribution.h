@@ -16,8 +16,8 @@ struct SelectedModel {
   std::unique_ptr<ExtendedFit> base;   ///< without any effects
   std::unique_ptr<ExtendedFit> final;  ///< with all causes; null if there are none
   std::vector<GapCause> causes;        ///< in the order of selection
-  std::vector<CompetingHypotheses>
-      slots;                      ///< one per cause; a single unnamed one if there is no cause
+  /// Competing hypotheses of each cause, or a single set without a cause if there are no causes.
+  std::vector<CompetingHypotheses> slots;
   double explained_nats = 0.0;    ///< total evidence of the causes
   double discrepancy_nats = 0.0;  ///< largest evidence of an unmodelled discrepancy, at `base`
   std::vector<std::string> notes;

@@ -7,16 +7,16 @@
 
 namespace dn::internal {
 
-/// Returns the excess scatter of the boresights estimated from one pair of strips each, beyond
+/// Estimates a boresight from each pair of strips and returns the scatter of these estimates beyond
 /// their noise, rad, per angle. Each estimate uses the INS/GNSS data and the point pairs of its two
 /// strips alone, and is one linear step from the network's values. With G_g = J_g N_g^-1 E, where E
 /// selects the columns of the boresight,
 ///
-///   theta_g = -G_g^T r_g,   cov(theta_g, theta_h) = G_g^T G_h over the data that both have:
+///   theta_g = -G_g^T r_g,   cov(theta_g, theta_h) = G_g^T G_h over the data that both have.
 ///
 /// The estimates are correlated because they share the trajectory. Returns 0 if the noise explains
-/// the scatter. Returns nullopt if the boresight is held constant, or if fewer than two pairs of
-/// strips determine it.
+/// the scatter. Returns nullopt if the boresight is constant, or if fewer than two pairs of strips
+/// determine it.
 std::optional<double> BoresightScatter(const FlightNetwork& network, int threads);
 
 /// Returns the tau for which values of covariance C + tau^2 I scatter as expected about their

@@ -46,14 +46,16 @@ constexpr double kSecondOrder = 0.05;
 // of a discrepancy is reduced by its many components.
 constexpr double kPlausibleSizes = 10.0, kRivalEvidenceShare = 0.9;
 constexpr double kSignificantSigmas = 2.0;
-// p-value at which high-band inertial noise or outliers, which replicates do not contain, decide
-// alone.
+// Replicates contain neither high-band inertial noise nor outliers. A p-value of these two below
+// this level shows a gap on its own.
 constexpr double kCertain = 1e-3;
-// p-value of replicates against replicates below which they are not a valid reference.
+// If the test of replicates against replicates has a p-value below this, they are not a valid
+// reference.
 constexpr double kUnequalReplicates = 1e-4;
 constexpr double kTrajectoryStepS = 0.01;
 constexpr int kSimulatedReplicates = 8;  // without and with the effects each
-// p-value of the flight among its simulated replicates below which they do not reproduce it.
+// If the p-value of the flight among its simulated replicates is below this, they do not reproduce
+// the flight.
 constexpr double kUnlike = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
 
@@ -275,8 +277,8 @@ class Diagnosis {
     ScaleToObservedRates(out_.verdict, &out_.causes);
   }
 
-  /// Returns an effect of implausible size. A wrong name for unmodelled physics can come out with
-  /// any size.
+  /// Returns a named effect of implausible size, if there is one. An effect that is wrongly named
+  /// for unmodelled physics can have an estimate of any size.
   std::optional<GapImplausible> Implausible(const SelectedModel& attribution) const {
     const ScreenedEffect* generic = BestDiscrepancy(attribution.base->effects);
     if (generic == nullptr ||
@@ -297,9 +299,9 @@ class Diagnosis {
     return std::nullopt;
   }
 
-  /// Returns whether a discrepancy describes the data better than the named effects. The
-  /// second-order terms of a large effect may fit a discrepancy of many components; they vanish
-  /// once the flight is adjusted with the effect.
+  /// Returns whether a discrepancy describes the data better than the named effects. A discrepancy
+  /// of many components may fit the second-order terms of a large effect. These terms vanish once
+  /// the flight is adjusted with the effect.
   bool DiscrepancyIsBetter(const SelectedModel& attribution) const {
     const double margin = std::max(kDiscrepancyLeadNats, kSecondOrder * attribution.explained_nats);
     if (attribution.discrepancy_nats <= attribution.explained_nats + kDiscrepancyLeadNats)

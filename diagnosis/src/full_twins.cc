@@ -46,7 +46,8 @@ std::vector<std::string> CommonNames(const std::vector<NamedStatistics>& of,
   return names;
 }
 
-/// Returns the values in standard deviations of the linear replicates from their mean.
+/// Returns the deviations of the values from the mean of the linear replicates, divided by the
+/// standard deviation of the replicates.
 Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<std::string>& names,
                              const LinearReplicates& linear) {
   Eigen::VectorXd z(static_cast<Eigen::Index>(names.size()));

@@ -25,7 +25,8 @@ constexpr int kMostBoresightCells = 24;
 
 constexpr double kSettlingOfStrips[] = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0};
 
-/// Sets the weights of three-vectors at a time; the correction is their weighted sum.
+/// Sets the weights of the values, which are three-vectors, at the time t_s. The correction is the
+/// weighted sum of the values.
 using Weights = std::function<void(double t_s, Eigen::VectorXd* weights)>;
 
 class TurnByTime final : public LidarEffect {

@@ -31,7 +31,7 @@ struct HeldOutOptions {
 /// without any. For a linearised network, with the data y_B of a fold and all other data y_-B,
 ///
 ///   log p(y_B | y_-B) = log p(y) - log p(y_-B),
-///   log p(y) = -1/2 (r^T M r + ln |N|) + ln |W| + const,   M = I - J N^-1 J^T:
+///   log p(y) = -1/2 (r^T M r + ln |N|) + ln |W| + const,   M = I - J N^-1 J^T.
 ///
 /// This needs two factorisations, whatever the size of the fold. W is the root of the weights; it
 /// matters if an effect scales the noise. A fixed effect is estimated again outside each fold.

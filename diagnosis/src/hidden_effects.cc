@@ -63,8 +63,8 @@ class NamingTrials {
     Factor();
   }
 
-  /// Returns the fraction of flights in which an effect of this size is named. Counts the names
-  /// given instead.
+  /// Returns the fraction of flights in which an effect of this size is named. Counts in `instead`
+  /// the other names that are given.
   double Named(double size, std::uint64_t seed, std::map<std::string, int>* instead) const {
     Random random(seed, "limits/" + rivals_[0].name);
     const Eigen::VectorXd mean = size * cross_ * direction_;

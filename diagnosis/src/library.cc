@@ -106,7 +106,7 @@ class LibraryMaker {
 
   void AddFixed(CandidateEffect effect) {
     const EffectId id = FindEffect(effect.name)->id;
-    // Steps are made from cells.
+    // Steps of the boresight are made elsewhere, from its cells.
     if (!options_.Wanted(id) || id == EffectId::kBoresightStep) return;
     Candidate candidate = Physical(id, AddBlock(std::move(effect.model)));
     candidate.times = effect.times;

@@ -11,8 +11,8 @@ namespace dn::internal {
 namespace {
 
 constexpr int kMostSteps = 15;
-// The likelihood at a place must agree with its prediction within this, or within this fraction of
-// its height above the neighbouring places.
+// Tolerances of the likelihood at a place relative to its prediction. The first is in nats, the
+// second a fraction of its height above the neighbouring places.
 constexpr double kPredictionNats = 0.02, kPredictionShare = 0.01;
 
 struct SizeAndLikelihood {

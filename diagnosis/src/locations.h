@@ -39,10 +39,10 @@ class Locations {
   /// variance and correlation of neighbours (Gaussian).
   double SizeNats(const Eigen::VectorXd& r) const;
 
-  /// Returns the rms difference of measured values from their predictions by all other data, m.
-  /// Returns 0 if there are no such residuals.
+  /// Returns the rms prediction error of the pair differences, m. Each is predicted from all other
+  /// data. Returns 0 without such residuals.
   double PairRms(const Eigen::VectorXd& r) const;
-  /// Returns the same for GNSS positions.
+  /// Returns the rms prediction error of the GNSS positions, m, in the same way.
   double GnssRms(const Eigen::VectorXd& r) const;
 
  private:

@@ -49,8 +49,8 @@ ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
   const double part =
       largest_m > 0.0 ? PartSeen(largest_m, sum_m / static_cast<double>(lengths_m.size())) : 1.0;
   const double share = std::min(n / all / part, 1.0);
-  // The number found has a Poisson distribution; the mean of n uniform lengths adds a third of its
-  // variance.
+  // The number n of outliers found has a Poisson distribution, with the relative variance 1 / n.
+  // The mean of n uniform lengths adds a third of that variance.
   const double sigma = std::max(share, 1.0 / all) * std::sqrt(4.0 / 3.0 / std::max(1.0, n));
   effect.estimate = Eigen::Vector2d(share, largest_m);
   effect.sigma = Eigen::Vector2d(sigma, 0.5 * largest_m);

@@ -36,7 +36,8 @@ const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
   return network.gnss_error.back();
 }
 
-/// Returns 1 for the rows that state the size of a chain, and 0 for all other rows.
+/// Returns 1 for the rows of the prior and the steps of a chain, which state the size of its
+/// process, and 0 for all other rows.
 Eigen::VectorXd ChainRows(const FlightNetwork& network, const LinearizedNetwork& linearized,
                           const ProcessChain& chain) {
   std::set<BlockId> blocks;
@@ -60,8 +61,8 @@ struct JudgedProcess {
   double log_evidence = 0.0;
 };
 
-/// Log likelihoods of the size of a process, relative to a process that is practically absent.
-/// Sizes are given by their logarithm, in typical sizes.
+/// Log likelihood of the size of a process, relative to a process that is practically absent. The
+/// argument is the logarithm of the size, as a multiple of the size that the network states.
 class SizeLikelihood {
  public:
   SizeLikelihood(const FlightNetwork& network, EffectId effect, int threads)
@@ -112,14 +113,14 @@ JudgedProcess Judge(SizeLikelihood& likelihood) {
   return {0.0, at, at.log_likelihood + std::log(std::max({sum, peak, 1e-300}))};
 }
 
-/// The flight with one more process of the typical size, at a choice of time constants.
+/// Networks of a flight with one additional process, one network per time constant.
 class Trial {
  public:
-  /// `scale`: size for which the states are set up, in typical sizes.
+  /// `scale`: size of the process that the network states, as a multiple of its typical size.
   Trial(const FlightNetwork& solved, int threads, EffectId effect, double scale)
       : solved_(solved), threads_(threads), effect_(effect), scale_(scale) {}
 
-  /// Returns the result of `judge` for the likelihood of the size, in units of the scale, at a time
+  /// Returns the result of `judge` for the likelihood of the size, in units of `scale`, at one time
   /// constant. Returns nullopt if the network cannot be built.
   template <class Judge>
   auto At(double tau_s, const Judge& judge) const

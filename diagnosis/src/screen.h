@@ -71,13 +71,13 @@ class Screen {
 
   /// Returns all families for the network's own residuals, most probable first.
   std::vector<ScreenedEffect> Effects() const;
-  /// Returns the same in the order of the families.
+  /// Returns all families in their own order, instead of by probability.
   std::vector<ScreenedEffect> EffectsInOrder() const;
 
   /// Returns the evidence of a candidate as a function of its own scores.
   const SizeAveragedEvidence& form(std::size_t candidate) const { return forms_[candidate]; }
 
-  /// Tests one candidate for the scores s.
+  /// Tests one candidate with the scores s of all columns.
   ScoreTest Test(std::size_t candidate, const Eigen::VectorXd& s) const;
 
  private:

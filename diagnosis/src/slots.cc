@@ -15,8 +15,9 @@ constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
 constexpr double kCredible = 0.95;
 /// Probability of unmodelled discrepancies above which no effect is named.
 constexpr double kWithoutName = 0.5;
-// Fractions of the causes with nearly all the evidence that were truly present: 180 of 187, and 17
-// of 38 if a gap remained. A fifth of these development flights had physics outside the table.
+// Fractions of the causes with nearly all the evidence that were truly present in development
+// flights. They are 180 of 187, and 17 of 38 if a gap remained. A fifth of these flights had
+// physics outside the table.
 constexpr double kBorneOut = 0.95, kBorneOutBesideUnknown = 0.45;
 
 std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {

@@ -14,12 +14,12 @@ struct CompetingHypotheses {
   std::string effect;  ///< empty: there is no cause
   /// Effects of the screen without the cause; the cause is one of them.
   std::vector<ScreenedEffect> competing_effects;
-  std::vector<double> posterior;          ///< one per rival
+  std::vector<double> posterior;          ///< one per competing effect
   std::vector<std::string> credible_set;  ///< 95 %, effects of the table
   double discrepancy_posterior = 0.0;     ///< total of the unmodelled discrepancies
 };
 
-/// Makes the competing hypotheses of a cause, which is one of the rivals.
+/// Makes the competing hypotheses of a cause, which is one of `competing_effects`.
 CompetingHypotheses MakeCompetingHypotheses(const std::string& effect,
                                             const std::vector<ScreenedEffect>& competing_effects);
 
@@ -27,9 +27,9 @@ CompetingHypotheses MakeCompetingHypotheses(const std::string& effect,
 /// docs/guides/gap.md.
 std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
 
-/// Returns the effect with a name; null if it is not in the list.
+/// Returns the effect with this name; null if it is not in the list.
 const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name);
-/// Returns the evidence of an effect; minus infinity if it is not in the list.
+/// Returns the evidence of the effect with this name; minus infinity if it is not in the list.
 double FindEvidence(const std::vector<ScreenedEffect>& effects, const std::string& name);
 /// Returns the most probable unmodelled discrepancy; null if there are none.
 const ScreenedEffect* BestDiscrepancy(const std::vector<ScreenedEffect>& effects);
@@ -40,8 +40,8 @@ double DiscrepancyEvidence(const std::vector<ScreenedEffect>& effects);
 const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
 
 /// Adds the causes and discrepancies to a diagnosis: every effect of a screen, with its probability
-/// over all slots. The causes `named` come first, with the probability and the rivals of their
-/// slots.
+/// over all sets of competing hypotheses. The causes `named` come first, with the probability and
+/// the alternatives of their own set.
 void FillCauses(const std::vector<ScreenedEffect>& screened,
                 const std::vector<CompetingHypotheses>& slots, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis);

@@ -132,8 +132,8 @@ std::vector<Attempt> MakeAttempts(const Scenario& plan) {
   return attempts;
 }
 
-/// Returns the separation from each rival. Returns {} if the plan cannot be flown or leaves an
-/// unknown free.
+/// Returns the separation from each competing effect. Returns {} if the plan cannot be flown or
+/// leaves an unknown free.
 std::vector<double> ComputeSeparations(const Scenario& scenario, const Flight& flight,
                                        const Tie& tie, const GapOptions& options) {
   SimulateOptions simulate;

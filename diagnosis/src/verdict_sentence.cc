@@ -62,7 +62,7 @@ std::string Moved(const GapDiagnosis& d) {
          MdegWords(*after.boresight_rad - *before.boresight_rad);
 }
 
-/// Returns "" if all sizes are plausible.
+/// Returns the words for an effect of implausible size; "" if all sizes are plausible.
 std::string ImplausibleWords(const GapDiagnosis& d) {
   if (!d.verdict.implausible) return "";
   const GapImplausible& one = *d.verdict.implausible;
@@ -113,7 +113,8 @@ std::string Place(const GapDiagnosis& d) {
   return fmt::format(", mostly in {} {}, {}", first.sensor, first.quantity, first.location);
 }
 
-/// Returns the unmodelled discrepancy that is more probable than not, if there is one.
+/// Returns the words for an unmodelled discrepancy that is more probable than not; "" if there is
+/// none.
 std::string WithoutName(const GapDiagnosis& d) {
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior > 0.5) {

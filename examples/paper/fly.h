@@ -11,8 +11,8 @@
 namespace paper {
 
 /// A simulated flight with the trajectory that `dn smooth` computes from its raw inertial and GNSS
-/// data, prepared for both formulations: flight.trajectory, and trajectory_sigma.txt in the same
-/// folder as its file.
+/// data. It is prepared for both formulations: flight.trajectory is set, and trajectory_sigma.txt
+/// is in the folder of its file.
 struct SmoothedFlight {
   dn::SimulatedFlight sim;
   Eigen::Vector3d rph_rmse_deg;  ///< rmse of the smoothed attitude over the flight

@@ -4,9 +4,9 @@
 //   example_paper [--seeds N] [--sets leg2,lar3] [--node-rate HZ] [--robustness 0]
 //                 [--out DIR]
 //
-// Every flight is simulated, smoothed (from raw inertial and GNSS data alone), and calibrated twice
-// from the same pairs: by the Gauss-Helmert adjustment on the smoothed trajectory (GH), and by the
-// dynamic network from the raw data (DN).
+// Every flight is simulated and smoothed from raw inertial and GNSS data alone. It is then
+// calibrated twice from the same pairs. GH is the Gauss-Helmert adjustment on the smoothed
+// trajectory, and DN the dynamic network from the raw data.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

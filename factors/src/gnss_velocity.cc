@@ -17,8 +17,8 @@ bool GnssVelocity::Evaluate(double const* const* x, double* r, double** J) const
   const Eigen::Vector3d a_b(x[2]);
   const Eigen::Vector3d w_eb_b = w_ib_b_ - R_mb.transpose() * w_ie_m_;
 
-  // R_mb (w_eb_b x a_b) = R_mb (w_ib_b x a_b) - w_ie_m x (R_mb a_b): the second term has w_ie_m in
-  // map axes, so only a_b is rotated.
+  // R_mb (w_eb_b x a_b) = R_mb (w_ib_b x a_b) - w_ie_m x (R_mb a_b). In the second term w_ie_m is
+  // in map axes, so only a_b is rotated.
   const Eigen::Vector3d w_ib_x_a_b = w_ib_b_.cross(a_b);
   Put<0>(x, J, W_ * (Skew(w_ie_m_) * R_mb * Skew(a_b) - R_mb * Skew(w_ib_x_a_b)));
   Put<1>(x, J, W_);

@@ -134,7 +134,7 @@ Fix ParseFix(const std::vector<std::string_view>& gga, const FileLocation& where
 }
 
 /// Returns the beginning of the day that puts `time_of_day_s` closest to `known_s`. The day differs
-/// from `day_s` where a file crosses midnight.
+/// from `day_s` if the file crosses midnight.
 double NearestDay(double day_s, double known_s, double time_of_day_s) {
   return day_s + kDayS * std::round((known_s - day_s - time_of_day_s) / kDayS);
 }

@@ -5,7 +5,8 @@
 namespace dn::internal {
 namespace {
 
-/// Returns the ENU covariance of standard deviations that are written north, east, down.
+/// Converts standard deviations in the order north, east, down to a covariance in the order east,
+/// north, up.
 Eigen::Matrix3d NedSigmasToCovariance(const double* ned, const std::string& what,
                                       const FileLocation& where) {
   CheckSigmas(Eigen::Vector3d(ned), what, "NED", where);

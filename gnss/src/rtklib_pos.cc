@@ -152,8 +152,8 @@ double ParseDms(const std::string_view* parts, const FileLocation& where) {
   return parts[0].starts_with('-') ? -angle_deg : angle_deg;
 }
 
-/// Collects the rows of a .pos file in a table. Column 0 holds the time in seconds from the start
-/// of the first row's week; the header's columns follow.
+/// Collects the rows of a .pos file in a table. Column 0 contains the time in seconds from the
+/// start of the first row's week; the header's columns follow.
 class PosParser {
  public:
   explicit PosParser(const std::filesystem::path& file) { table_.file = file; }

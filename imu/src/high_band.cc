@@ -165,7 +165,8 @@ std::vector<double> Differences(const ImuData& imu, ImuTriad triad, Eigen::Index
 /// Returns the largest step that divides all differences of successive values, apart from the
 /// rounding of the file. Returns 0 if there is no such step, or if it is too small to matter.
 double Resolution(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
-  /// In medians of the differences: a finer step adds no relevant noise.
+  /// Smallest step that matters, in medians of the differences; a finer step adds no relevant
+  /// noise.
   constexpr double kLeastStep = 0.02;
   constexpr double kNearMultiple = 0.1, kMultiplesShare = 0.95;
   const std::vector<double> differences = Differences(imu, triad, axis);

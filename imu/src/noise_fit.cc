@@ -17,7 +17,7 @@ constexpr double kKeep1 = 10.83, kKeep2 = 13.82;
 // one like a random walk.
 constexpr double kShortestCorrelation = 2.0;  // times the shortest cluster time
 constexpr double kLongestCorrelation = 1.0;   // times the longest cluster time
-// Over fewer samples than this, filters and resolution add other than white noise.
+// Over fewer samples than this, filters and resolution add noise that is not white.
 constexpr double kFewestSamples = 10.0;
 // Relative accuracy of the deviation to which a real sensor follows the three terms.
 constexpr double kModelAccuracy = 0.02;

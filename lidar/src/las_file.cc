@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMostLasBytes = std::uintmax_t{1} << 42;
 constexpr std::uint64_t kMostHeadBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
-// Programs write a handful.
+// This limit is far above the few records that programs write.
 constexpr std::uint64_t kMostRecords = 10000;
 constexpr double kMostScaleM = 1e3;
 constexpr double kMostOffsetM = 1e9;
@@ -188,7 +188,8 @@ class LasFileReader {
     return std::string(bytes.substr(0, bytes.find('\0')));
   }
 
-  /// Throws where so many records cannot be in `room`, each with a header, or no one needs them.
+  /// Throws if the records, each with a header, do not fit into `room` bytes, or if they are too
+  /// many.
   void ExpectRoomForRecords(const char* what, std::size_t count_at, std::uint64_t count,
                             std::uint64_t room, std::size_t header) const {
     const std::string promised = std::to_string(count) + " " + what + " (byte " +
@@ -307,7 +308,8 @@ class LasFileReader {
     ExpectLittleElse(begin - las_.points_end() + las_.file_bytes - at);
   }
 
-  /// The bytes after the points are copied with them.
+  /// Throws if too many bytes after the points belong to no record. They are copied when the file
+  /// is rewritten, so their size is limited.
   void ExpectLittleElse(std::uint64_t bytes) const {
     if (bytes <= kMostHeadBytes || Number<std::uint64_t>(las::kWaveformAt) != 0) return;
     Fail(Bytes(bytes) + " behind the points belong to no record that its header lists; repair it");

@@ -50,7 +50,7 @@ const Vlr* FindVlr(const LasFile& las, std::string_view user, std::uint16_t id) 
   return nullptr;
 }
 
-/// Adds a record behind the others, however many `head` has by now.
+/// Appends a record to those that `head` has already.
 void AppendVlr(const LasFile& las, const std::string& record, std::string* head) {
   const auto count = LoadLittleEndian<std::uint32_t>(head->data() + las::kVlrCountAt);
   std::size_t end = las.header_bytes;
@@ -112,7 +112,7 @@ std::string BoresightContent(const Eigen::Vector3d& boresight_rad) {
   return content;
 }
 
-/// The header and records of the new file.
+/// Returns the header and records of the new file.
 std::string MakeHead(const LasFile& las, const StripAdditions& additions,
                      std::optional<std::array<std::size_t, 6>>* covariance_at,
                      std::size_t* record_bytes) {

@@ -62,7 +62,8 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   return pair;
 }
 
-/// The least reliable origin that a comment line states, at any place: files may be joined.
+/// Returns the least reliable origin that the comment lines of a file state. They may be anywhere,
+/// because files may be joined.
 VectorOrigin ReadOrigin(const std::filesystem::path& path) {
   VectorOrigin weakest;
   LineReader lines(path);

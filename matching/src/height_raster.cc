@@ -144,8 +144,8 @@ std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
   const Vector2d rest = -H.ldlt().solve(g);
   if (rest.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
   const double independent = kIndependentShare * static_cast<double>(piece.size());
-  // The mean square of n independent differences is m(s) = m0 + s^T H s / 2, so that C = 2 m0 / n
-  // H^-1.
+  // The mean square of n independent differences is m(s) = m0 + s^T H s / 2. The covariance is
+  // therefore C = 2 m0 / n H^-1.
   const double sigma_cells =
       std::sqrt(2.0 * least.mean_square_m2 / independent / eigen.eigenvalues()[0]);
   if (sigma_cells > kMostSigmaCells) return std::nullopt;

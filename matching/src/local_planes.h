@@ -9,7 +9,7 @@
 
 namespace dn::internal {
 
-/// Same as dn::FitLocalPlanes, with a given tree of the points and without its checks.
+/// Does what dn::FitLocalPlanes does, with a given tree of the points and without checks.
 std::vector<LocalPlane> FitLocalPlanes(const std::vector<Eigen::Vector3d>& points_m,
                                        const PointTree& tree, const std::vector<std::size_t>& at,
                                        double radius_m);

@@ -117,8 +117,8 @@ Box BoundingBox(const StripSample& sample) {
   return box;
 }
 
-/// Returns a grid of the part of a that b may cover if it is shifted by up to margin_m; nullopt if
-/// there is no such part.
+/// Returns a grid of the part of `a` that `b` may cover if `b` is shifted by up to margin_m.
+/// Returns nullopt if there is no such part.
 std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b, double cell_m,
                                      double margin_m) {
   const Box box_a = BoundingBox(a), box_b = BoundingBox(b);

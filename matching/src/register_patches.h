@@ -39,10 +39,11 @@ struct Registration {
 ///
 ///   minimise  sum_a w (n_b . (a + s - c_b))^2  +  sum_b w (n_a . (b - s - c_a))^2
 ///
-/// c, n: centroid and normal of the neighbourhood of the nearest point. It must be a plane: its rms
-/// is at most three times the median of all, and its normal within 20 deg of the normal of the
-/// point itself. A wall seen by one strip is thus not matched with the edge of the roof in the
-/// other. Returns nullopt if the patches have too few partners or do not determine a direction.
+/// c, n: centroid and normal of the neighbourhood of the nearest point. The neighbourhood must be a
+/// plane: its rms is at most three times the median of all. Its normal must be within 20 deg of the
+/// normal of the point itself. A wall seen by one strip is thus not matched with the edge of the
+/// roof in the other. Returns nullopt if the patches have too few partners or do not determine a
+/// direction.
 std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSurface& b,
                                             const Eigen::Vector3d& start_m,
                                             const RegisterOptions& options);

@@ -11,7 +11,7 @@ namespace {
 constexpr double kCoarsest_m = 8.0;
 constexpr double kHurst = 0.8;
 // Mean square of one octave: (1/3) (integral of s^2 + (1 - s)^2)^2. The heights at the corners of a
-// cell are uniform in [-1, 1], and the weight between them is s = 3 x^2 - 2 x^3.
+// cell are uniform in [-1, 1]. The weight between them is s = 3 x^2 - 2 x^3.
 constexpr double kMeanSquare = (1.0 / 3.0) * (26.0 / 35.0) * (26.0 / 35.0);
 constexpr double kSteepestWeight = 1.5;  // largest slope of s
 

@@ -13,8 +13,8 @@ class ScanTiming {
  public:
   /// The scan rate r follows from the height over ground and the speed v of the strip. It makes the
   /// point spacing along the track, v / r, equal to that along the scan below the scanner, r w / f.
-  /// Here f is the pulse rate and w the length of a scan: H fov for a line, 2 pi H tan(fov / 2) for
-  /// a cone.
+  /// Here f is the pulse rate and w the length of a scan at the height H. It is H fov for a line,
+  /// and 2 pi H tan(fov / 2) for a cone.
   ScanTiming(const LidarScenario& lidar, double height_m, double speed_mps);
 
   double scan_rate_hz() const { return scan_rate_hz_; }

@@ -21,9 +21,9 @@ struct Sighting {
 };
 
 /// The true scanner on its true path. The beams of a line scanner lie in the plane through its
-/// origin that is perpendicular to scan_axis, within half the field of view of nadir_axis. The
-/// beams of a conical scanner lie at half the field of view around nadir_axis, so that each point
-/// is passed twice, ahead and behind. The effect lidar_scan_cone rotates all beams towards
+/// origin that is perpendicular to scan_axis. They are within half the field of view of nadir_axis.
+/// The beams of a conical scanner lie at half the field of view around nadir_axis, so that each
+/// point is passed twice, ahead and behind. The effect lidar_scan_cone rotates all beams towards
 /// +scan_axis.
 class Scanner {
  public:
@@ -31,9 +31,9 @@ class Scanner {
   Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const LidarSpan& span,
           std::shared_ptr<const TruthTrajectory> truth, std::shared_ptr<const Terrain> terrain);
 
-  /// Returns the sightings of the point between two poses of the true path, in time order: at most
-  /// one for a line, two for a cone. A sighting is omitted if the point is then outside the field
-  /// of view or hidden by the surface.
+  /// Returns the sightings of the point between two poses of the true path, in time order. There is
+  /// at most one for a line, and two for a cone. A sighting is omitted if the point is then outside
+  /// the field of view or hidden by the surface.
   std::vector<Sighting> See(const Eigen::Vector3d& point_m, const MapPose& first,
                             const MapPose& last) const;
 

@@ -17,7 +17,7 @@ constexpr double kLongestFlight_s = 86400.0;
 constexpr double kLongestWarmUp_s = 4.0 * 3600.0;
 constexpr double kRoughest_m = 10.0;
 constexpr double kMostPulses_hz = 1e7;
-// Their points take some 200 GB.
+// The points of so many pulses take some 200 GB.
 constexpr double kMostPulses = 5e9;
 constexpr long kMostPairs = 5000000;
 // A sample, its true state and their text need about half a kB.

@@ -24,8 +24,8 @@ using Eigen::Vector3d;
 constexpr std::size_t kChunkPulses = 16384;
 // The time between two groups is then a fraction of a second.
 constexpr std::size_t kChunksPerThread = 4;
-// The standard deviation across a Gaussian beam is a quarter of its divergence, which is the full
-// angle at which the intensity has fallen to 1/e^2.
+// The standard deviation across a Gaussian beam is a quarter of its divergence. The divergence is
+// the full angle at which the intensity has fallen to 1/e^2.
 constexpr double kBeamSigmas = 4.0;
 // Sine of 5 deg: flatter pulses graze the ground and do not return.
 constexpr double kLeastSink = 0.0872;

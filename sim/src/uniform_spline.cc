@@ -11,8 +11,8 @@ namespace {
 
 using Weights = Eigen::Matrix<double, 6, 1>;
 
-// Row i contains the coefficients of 1, x, .., x^5 (times 120) of the weight of control point i,
-// one of the six around the knot interval; x is in [0, 1].
+// Row i contains the coefficients of 1, x, .., x^5 (times 120) of the weight of control point i.
+// The control points are the six around the knot interval; x is in [0, 1].
 const Eigen::Matrix<double, 6, 6>& Basis() {
   static const Eigen::Matrix<double, 6, 6> basis = [] {
     Eigen::Matrix<double, 6, 6> B;

@@ -10,7 +10,7 @@ namespace dn {
 namespace {
 
 /// Thresholds of estimated operations above which nested dissection can save more time than it
-/// takes: half a second of factorisation, and ten times the cost of dissection per block.
+/// takes. They are half a second of factorisation, and ten times the cost of dissection per block.
 constexpr double kWorthDissecting = 1e10;
 constexpr double kWorthDissectingPerBlock = 2e5;
 

@@ -11,8 +11,8 @@ struct GaussNewtonReport {
   /// shorter (damped) steps are needed.
   bool unfinished = false;
   bool interrupted = false;  ///< true if on_iteration returned false
-  bool initial_reported =
-      false;  ///< true if the initial cost is defined and was reported to on_iteration
+  /// True if the initial cost is defined and was reported to on_iteration.
+  bool initial_reported = false;
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;

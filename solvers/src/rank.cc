@@ -13,7 +13,7 @@ namespace dn {
 namespace {
 
 constexpr int kDirections = 8;  ///< dimension of the subspace
-/// Each reduces the error by the ratio shift / next eigenvalue.
+/// Numbers of iterations. Each iteration reduces the error by the ratio shift / next eigenvalue.
 constexpr int kSubspaceIterations = 5;
 constexpr int kProbeIterations = 3;
 /// Additional vectors that speed up convergence of the wanted ones.

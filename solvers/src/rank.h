@@ -26,14 +26,14 @@ double ProbeInformation(const Linearization& linearization, const Eigen::VectorX
                         const SparseCholesky& cholesky);
 
 /// Returns the weakest directions (at most eight) of a matrix that may be singular, by inverse
-/// subspace iteration with a slightly shifted matrix. `cholesky` holds the shifted factor
+/// subspace iteration with a slightly shifted matrix. `cholesky` contains the shifted factor
 /// afterwards.
 ScaledDirections FindFreeDirections(const Linearization& linearization,
                                     const Eigen::VectorXd& scale, const SymmetricCsc& scaled_N,
                                     SparseCholesky& cholesky);
 
-/// Returns the k weakest directions of a matrix whose factor is available, accurate to about 1e-10
-/// of their information, by inverse iteration over blocks of vectors.
+/// Returns the k weakest directions of a matrix whose factor is available, by inverse iteration
+/// over blocks of vectors. Their information is accurate to about 1e-10 of its size.
 ScaledDirections FindWeakestDirections(const Linearization& linearization,
                                        const Eigen::VectorXd& scale, const SparseCholesky& cholesky,
                                        Eigen::Index k);

@@ -18,7 +18,7 @@ constexpr int kSamplesPerBatch = 16, kSamplesPerLargeBatch = 8;
 constexpr Eigen::Index kManyRows = 1 << 20;
 constexpr unsigned kSeed = 20240501;
 
-/// Builds forms in which every row has its own label.
+/// Builds sums of squares: forms in which every row has its own label.
 class SquareSums {
  public:
   explicit SquareSums(Eigen::Index rows) : rows_(rows) {}

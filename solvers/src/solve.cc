@@ -34,8 +34,8 @@ class IterationObserver final : public ceres::IterationCallback {
   explicit IterationObserver(const SolveOptions& options)
       : options_(options), least_change_(0.5 * options.sigma_tolerance * options.sigma_tolerance) {}
 
-  /// Continues the count of iterations that were already reported; Ceres's initial state is the end
-  /// of the last of them.
+  /// Continues the count after iterations that were already reported. The initial state of Ceres is
+  /// then not reported, because it is the end of the last of these iterations.
   void ContinueAfter(int iterations) { before_ = iterations; }
   void Restart() { before_ = -1; }
 

@@ -71,7 +71,7 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
   Foretold best;
   double most = -1.0;
   std::vector<CandidateEffect> candidates = CandidateEffects(network);
-  // The model check does not search for its window.
+  // The model check does not search for the window of a step, so the test states it.
   if (effect.unknown == "gnss_position_step") {
     candidates = {StepInWindow(network, effect.times)};
   }
@@ -194,7 +194,8 @@ class Results : public ::testing::TestWithParam<bool> {
   const TrajectoryResult& trajectory_ = flight_.trajectory;
 };
 
-/// Mean square of normalised errors that are correlated over minutes: few of them are independent.
+/// Expects a plausible mean square of normalised errors. They are correlated over minutes, so few
+/// of them are independent.
 void ExpectPlausible(double sum2, std::size_t n, const char* what) {
   const double mean = sum2 / static_cast<double>(n);
   EXPECT_GT(mean, 0.2) << what;

@@ -54,8 +54,8 @@ struct TruthFlight {
 TEST(GaussHelmertFlight, NoiseFreeReturnsTheBoresight) {
   const TruthFlight truth(false);
   const GaussHelmertCalibration result = CalibrateGaussHelmert(truth.flight);
-  // A path with frequencies up to about 2 Hz, sampled at 100 Hz: 1e-5 of its 0.02 rad, averaged
-  // over the pairs.
+  // Interpolation error of a path with frequencies up to about 2 Hz that is sampled at 100 Hz. It
+  // is 1e-5 of the amplitude of 0.02 rad, averaged over the pairs.
   constexpr double kInterpolationRad = 2e-7;
   EXPECT_LE(BoresightError(result.boresight.angles_rad, truth.simulated.boresight_rad).norm(),
             kInterpolationRad);
@@ -478,8 +478,8 @@ std::vector<StripPoint> ReadStrip(const Flight& flight, const fs::path& file, st
   return points;
 }
 
-// This flight has no pairs, so the nearest points of the two lines replace them. They slide along
-// the surfaces, so the angles are weak; the test shows only that the lines get closer.
+// This flight has no pairs, so the nearest points of the two lines replace them. The nearest points
+// slide along the surfaces, so the angles are weak; the test shows only that the lines get closer.
 TEST(GaussHelmertFlight, DrawsTheLinesOfARealFlightTogether) {
   const fs::path folder = SharedData("tent");
   if (!fs::exists(folder)) GTEST_SKIP() << "no real data in " << folder;

@@ -114,7 +114,8 @@ Adjustment AdjustSpoilt(Flight flight, const std::function<void(FlightNetwork&)>
 // are rejected at the inertial rate.
 TEST(RawInertial, IsTheSameWhereItIsTakenLast) {
   constexpr double kSame = 1e-4;  // in sigmas; the solutions converge to steps of 1e-3
-  // Relative: half of 1e-3 squared, over a cost of some hundred.
+  // Relative tolerance: half the square of the last step, 1e-3 sigma, divided by a cost of some
+  // hundred.
   constexpr double kSameCost = 1e-7;
   const Flight flight = TwoStrips().flight;
   const Adjustment last = AdjustSpoilt(flight, {});

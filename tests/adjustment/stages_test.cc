@@ -96,7 +96,7 @@ TEST(Stages, OneMayBeAdded) {
   EXPECT_EQ(adjustment.stages.back().name, "final least squares");
 }
 
-// As docs/reference/networks.md shows it.
+// This is the example of docs/reference/networks.md.
 TEST(Stages, PairsMayBeJudgedTwice) {
   const SimulatedFlight sim = WithWrongPairs(5);
   AdjustOptions options;

@@ -143,7 +143,8 @@ TEST(BlindCheckUsage, AScenarioThatIsNoneIsNamed) {
   EXPECT_THAT(run.err, HasSubstr("'nowhere' is neither a scenario file nor a shipped scenario"));
 }
 
-/// A staging folder lies anywhere below, or a folder vanishes while it is looked at.
+/// Returns whether a staging folder lies anywhere below `folder`, or a folder vanishes during the
+/// search.
 bool HoldsStaging(const fs::path& folder) {
   std::error_code error;
   for (fs::recursive_directory_iterator at(folder, error), end; at != end; at.increment(error)) {
@@ -161,7 +162,8 @@ bool NothingStaysStaged(const fs::path& folder) {
   return false;
 }
 
-/// When the first flight has landed, the other one is in the hands of its program.
+/// Runs two flights at a time, so that one is still processed by its program when the other one is
+/// finished.
 ProgramOptions TwoAtATime(const fs::path& out) {
   ProgramOptions options;
   options.arguments = Arguments(out, "1/1");

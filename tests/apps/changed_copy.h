@@ -11,7 +11,8 @@
 
 namespace dn::testing {
 
-/// A copy of a results folder, made again at `copy`, in which a JSON file is changed.
+/// Copies a results folder to `copy`, replacing an earlier copy, and changes one of its JSON files.
+/// Returns `copy`.
 inline std::filesystem::path ChangedCopy(const std::filesystem::path& folder,
                                          const std::filesystem::path& copy, const std::string& file,
                                          const std::function<void(Json*)>& change) {

@@ -30,7 +30,7 @@ class FlightOfNumbers : public DamagedFlight {
 
   /// Sets a key of flight.yaml, such as lidar.lever_arm_m. The key must be on its own line.
   void Set(const std::string& key, const std::string& value) const;
-  /// Replaces files of this flight by those of another one.
+  /// Replaces files of this flight with those of another one.
   void Take(const std::filesystem::path& other, const std::vector<std::string>& names) const;
 };
 

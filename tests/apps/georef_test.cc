@@ -121,7 +121,7 @@ TEST(CliGeoref, AResultBringsItsBoresightAndItsCovariance) {
   EXPECT_EQ(ReadAll(flight.out() / "strips/2.las").record_bytes, 28u + 24u);
 }
 
-/// The result of the short flight with another verdict.
+/// Returns the result of the short flight with another verdict.
 std::string ResultWithVerdict(const DamagedFlight& flight, const std::string& verdict) {
   Json json = Json::parse(FileContent(CalibrateResult() / "result.json"));
   json["assessment"]["verdict"] = verdict;

@@ -71,7 +71,7 @@ TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
   }
 }
 
-/// Renames the extra bytes of laser vectors, which nothing looks for then.
+/// Renames the extra bytes of the laser vectors, so that no reader finds them.
 void HideVectors(const fs::path& las) {
   std::string bytes = FileContent(las);
   for (const std::string name : {"ux", "uy", "uz"}) {
@@ -98,7 +98,7 @@ TEST_F(Matching, VectorsOfAnAssumedBoresightDoNotCalibrate) {
   const auto roll_deg = [](const Json& result) {
     return result["boresight"]["angles_deg"][0].get<double>();
   };
-  // The points of a simulated flight lie by a boresight of zero.
+  // The points of a simulated flight are computed with a boresight of zero.
   const ProgramRun assumed = calibrate({});
   EXPECT_EQ(assumed.exit_code, 0) << assumed.err;
   EXPECT_THAT(assumed.err, HasSubstr("1.las (as 1 more) has no laser vectors"));

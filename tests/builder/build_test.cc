@@ -48,7 +48,7 @@ Eigen::Vector3d BoresightSigma(const FlightNetwork& network) {
   return MarginalCovariance(network.net, network.boresight).diagonal().cwiseSqrt();
 }
 
-// The covariances of a plan equal those of the flight that is measured later: they do not depend on
+// The covariances of a plan equal those of the flight that is measured later. They do not depend on
 // the measured values or on their noise.
 TEST(Build, APlanForetellsTheSigmasOfTheFlight) {
   const NetworkDesign design = Plan();

@@ -72,7 +72,8 @@ TEST(Effects, EveryFixedEffectIsEstimable) {
 
 class InertialDerivatives : public ::testing::TestWithParam<const char*> {};
 
-// Checks d out / d value, and d out / d in for the change that an earlier effect makes.
+// Checks the derivative of the corrected reading with respect to the value, and with respect to a
+// change by an earlier effect.
 TEST_P(InertialDerivatives, DerivativesAgreeWithDifferences) {
   constexpr double kStep = 1e-6;
   for (unsigned seed = 0; seed < 10; ++seed) {

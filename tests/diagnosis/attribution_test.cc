@@ -80,8 +80,8 @@ std::vector<SelectedModel> SelectForSeeds(const std::string& effect) {
   return all;
 }
 
-// Outliers that are too short to be rejected, or that follow each other, do not count as scaled
-// noise.
+// Outliers must not count as scaled noise, even if they are too small to be rejected or occur at
+// consecutive epochs.
 TEST(SelectEffects, GrossErrorsAreNotALargerNoiseAsWell) {
   for (const char* effect : {"{effect: gnss_outliers, value: [0.08, 0.2]}",
                              "{effect: p2p_outliers, value: [0.08, 1.0]}"}) {

@@ -118,7 +118,8 @@ NamedStatistics Noise(int count, Random* random) {
   return values;
 }
 
-// The statistics are those in which the flight stands out, which it does by chance without a gap.
+// The statistics are those in which the flight is most unusual. Without a gap, it is unusual by
+// chance only.
 TEST(TestAmongReplicates, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
   constexpr int kFlights = 60, kStatistics = 120;
   int below = 0;

@@ -47,7 +47,8 @@ TEST(CompareWithReplicates, IsAsOftenSmallAsItSays) {
   for (long k = 0; k < kFlights; ++k) {
     if (CompareWithReplicates(Drawn(&random), twins).p_value <= 0.5) ++below_half;
   }
-  // All flights use the same 100 ranking replicates, whose share below a half is known to 5 % only.
+  // All flights use the same 100 ranking replicates. Their own share below a half is random with a
+  // standard deviation of 5 %.
   const Interval usual = BinomialInterval(0.9999, 80, 0.5);
   EXPECT_TRUE(usual.Contains(static_cast<double>(below_half) / kFlights)) << below_half;
 }

@@ -66,7 +66,7 @@ TEST(BiasProcess, JacobiansAgreeAtRandomStates) {
 }
 
 // A chain that starts with its stationary distribution keeps it at every node, even with steps of
-// unequal length, and its correlation is exp(-dt / tau).
+// unequal length. Its correlation is exp(-dt / tau).
 TEST(GaussMarkovEdge, ChainIsStationary) {
   constexpr double kSigma = 0.7, kTauS = 50.0;
   const std::vector<double> steps_s{1.0, 200.0, 0.01, 30.0, 5.0};

@@ -74,8 +74,8 @@ TEST(CorrelatedGnssError, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// Hand calculation: with c at half a sigma east and two sigmas up, the measured antenna is 5 mm
-// east of and 4 cm above the true one. The map is rotated by 90 degrees about up.
+// Hand calculation with c at half a sigma east and two sigmas up. The measured antenna is then 5 mm
+// east of the true one and 4 cm above it. The map is rotated by 90 degrees about up.
 TEST(CorrelatedGnssError, IsOfTheLocalAxesOfThePoint) {
   Matrix3d R_m_enu;
   R_m_enu << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // east at the point is north of the map

@@ -25,7 +25,7 @@ Eigen::Vector3d Residual(const GnssVelocity& f, const Eigen::Quaterniond& q_mb,
 }
 
 // Hand calculation: at a rate of 0.5 rad/s about body z, an antenna 2 m ahead moves at 1 m/s along
-// body y, which a yaw of +90 deg rotates to map -x.
+// body y. A yaw of +90 deg rotates body y to map -x.
 TEST(GnssVelocity, ResidualOfATurn) {
   const GnssVelocity f({9.0, 20.0, 30.0}, {0.0, 0.0, 0.5}, Eigen::Vector3d::Zero(),
                        Noise<3>::Sigma(0.25));

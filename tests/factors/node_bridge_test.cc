@@ -85,8 +85,8 @@ TEST_F(Bridge, CovarianceIsThatOfABrownianBridge) {
 }
 
 // With the truth at both nodes, the errors of the corrected increments must agree with the
-// conditional covariance, and those of the plain increments with theirs. The test uses many draws
-// of white noise.
+// conditional covariance. The errors of the plain increments must agree with their own covariance.
+// The test uses many draws of white noise.
 TEST_F(Bridge, CorrectionTakesTheNoiseThatTheNodesTell) {
   constexpr int kDraws = 400;
   const Preintegrated truth = Increments(1.0, 1.4, {});

@@ -68,7 +68,7 @@ Eigen::Matrix<double, 9, 3> Jacobian(const FactorBase& factor, const std::vector
 }
 
 // A closed-form motion over the rotating Earth, simulated in Coriolis form, must give a zero
-// residual to within hundredths of the noise of a navigation-grade sensor.
+// residual. The tolerance is hundredths of the noise of a navigation-grade sensor.
 TEST(PreintegratedInertial, VanishesOnAnAnalyticFlight) {
   const EarthMotion motion = testing::PlaneMotion();
   for (const double length_s : {0.005, 0.0173, 0.1, 0.2, 1.0}) {
@@ -208,7 +208,7 @@ TEST(PreintegratedInertial, IsWhitenedByTheCovariance) {
   EXPECT_NEAR(r.squaredNorm(), expected, 1e-3 * expected);  // the Earth rotates by 7e-5 rad
 }
 
-/// Returns the information of a chain of edges on (state 0, ..., state n), in tangent order
+/// Returns the information of a chain of edges on (state 0, ..., state n). The tangent order is
 /// rotation, position, velocity per node; the biases are constant.
 Eigen::MatrixXd Information(const EarthMotion& motion, const std::vector<double>& times,
                             const ImuData& imu, const PreintegrationNoise& noise) {
@@ -230,7 +230,7 @@ Eigen::MatrixXd Information(const EarthMotion& motion, const std::vector<double>
 }
 
 // Marginalising the interior nodes of a chain of one-sample edges must give the edge of the
-// composed increments: the same information on the two outer nodes.
+// composed increments. Both must have the same information on the two outer nodes.
 TEST(PreintegratedInertial, RawChainIsThePreintegratedEdge) {
   const EarthMotion motion = testing::PlaneMotion();
   const ImuData imu = motion.Measure(0.0, 1.0, 100.0);

@@ -89,8 +89,8 @@ TEST(PriorRotation, JacobiansAgreeAtSpecialStates) {
   }
 }
 
-// Rotating both from the unmeasured side, or changing the sign of a quaternion, does not change the
-// residual.
+// A common rotation of mean and value on the unmeasured side does not change the residual. The sign
+// of a quaternion does not matter either.
 TEST(PriorRotation, IsInvariantOnTheOtherSide) {
   std::mt19937 rng(5);
   const Eigen::Quaterniond q0 = RandomRotation(rng), q = q0 * Exp(RandomVector(rng, 0.5));

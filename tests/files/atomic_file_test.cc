@@ -182,7 +182,7 @@ TEST(OutputDirectory, WhatAKilledRunStagedIsSwept) {
   EXPECT_EQ(ReadText(folder.path() / "elsewhere/a.txt"), "of the user");
 }
 
-/// The first line of a journal that a run writes in `folder`/`staging`, which must be there.
+/// Returns the first line of a journal that a run writes in `folder`/`staging`, which must exist.
 std::string FirstLine(const fs::path& folder, const std::string& staging) {
   std::string line = "dn.commit/1";
   for (const fs::path& directory : {folder, folder / staging}) {
@@ -210,7 +210,7 @@ TEST(OutputDirectory, AHalfCommitOfAKilledRunIsUndone) {
   EXPECT_EQ(ReadText(folder.path() / "z.txt"), "of the user");
 }
 
-/// A results folder with the planted journal of a commit, and files outside that it names.
+/// A results folder with a planted journal of a commit that names files outside of the folder.
 class PlantedJournal {
  public:
   PlantedJournal() {
@@ -226,7 +226,7 @@ class PlantedJournal {
   void Write(const std::string& text) const {
     folder_.Write("out/.dn-staging-Abc123/.commit", text);
   }
-  /// As a run of this program writes it, which no other can foresee.
+  /// Writes a journal with the first line that a run of this program would write.
   void WriteOurs(const std::string& names) const {
     Write(FirstLine(folder_.path() / "out", ".dn-staging-Abc123") + names);
   }

@@ -42,8 +42,8 @@ TEST(FindStrips, PrefersTheStripsOfAllPairsToThoseOfASelection) {
   EXPECT_EQ(FindStrips(flight).size(), 1u);
 }
 
-// The flight goes east for 60 s, makes a half turn at 6 deg/s, and goes west for 60 s, at 10 Hz and
-// 50 m/s.
+// The flight goes east for 60 s, makes a half turn at 6 deg/s, and goes west for 60 s. Its speed is
+// 50 m/s, and the data have 10 Hz.
 TEST(FindStrips, FindsTheStraightLegsOfATrajectory) {
   const double deg = std::acos(-1.0) / 180.0;
   std::vector<NavPoint> points;

@@ -21,7 +21,8 @@ struct Input {
   std::string bytes;
 };
 
-/// The corpus: names start with ok_ (the reader accepts it) or bad_ (the reader rejects it).
+/// Returns the corpus. Names start with ok_ if the reader accepts the input, or with bad_ if it
+/// rejects the input.
 std::vector<Input> Corpus() {
   std::vector<Input> corpus;
   for (const fs::directory_entry& entry : fs::directory_iterator(DN_FUZZ_CORPUS)) {
@@ -34,7 +35,8 @@ std::vector<Input> Corpus() {
   return corpus;
 }
 
-/// Message of the rejection; empty when accepted. Any other exception fails the test with it.
+/// Returns the message of the rejection; empty if the input is accepted. Any other exception fails
+/// the test.
 std::string Read(const std::string& bytes) {
   return ReadAnything(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
 }

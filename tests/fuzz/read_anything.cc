@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder that lives as long as the program, in memory where the system has such a place.
+/// A folder that exists as long as the program, in memory if the system has a file system for that.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -165,7 +165,7 @@ void CheckJson(std::string_view text) {
   Require(json == ParseJson(json.dump(), "again.json"), "what was read is written and read back");
 }
 
-/// A record is written and read back.
+/// Requires that a record reads back as it was written.
 template <class Read>
 void CheckRecord(std::string_view text, const Read& read) {
   const Json json = ParseJson(text, "record.json");
@@ -174,7 +174,7 @@ void CheckRecord(std::string_view text, const Read& read) {
   Require(ToJson(read(JsonPlace(again))).dump() == written, "a record is written and read back");
 }
 
-/// Without the leading comment, which says what the body frame of the input was.
+/// Returns the text without its leading comment, which states the body frame of the input.
 std::string WithoutComment(const std::string& yaml) {
   return yaml.starts_with('#') ? yaml.substr(yaml.find('\n') + 1) : yaml;
 }

@@ -6,8 +6,8 @@
 
 namespace dn::testing {
 
-/// Which reader gets the bytes: the first byte of an input, a letter, so that the corpus is
-/// readable.
+/// Letters of the readers. The first byte of an input is such a letter and selects the reader;
+/// letters keep the corpus readable.
 ///
 ///   T ReadTextTable                     S ReadTrajectory, SBET      O ReadTrajectory, ODyN text
 ///   I ReadImu, ODyN                     J ReadImu, increments
@@ -19,13 +19,13 @@ namespace dn::testing {
 ///   E BlindRecordFromJson
 inline constexpr std::string_view kReaders = "TSOIJGRBNPFCVLXMDWE";
 
-/// Gives the bytes after the first to the reader that the first selects (any other letter: modulo
-/// the number of readers), as a file in memory.
+/// Gives the bytes after the first one to a reader, as a file in memory. The first byte selects the
+/// reader: by its letter, or modulo the number of readers if it is not in kReaders.
 ///
-/// Returns the message of the InvalidInput that the reader threw, or an empty string when it
-/// accepted the input. Aborts, for every build type, when an accepted input breaks what the reader
-/// promises (finite values, increasing times, a configuration that reads back), or a rejection has
-/// no message. Anything else that the reader throws passes through.
+/// Returns the message of the InvalidInput that the reader threw, or an empty string if it accepted
+/// the input. Aborts, for every build type, if an accepted input violates the reader's guarantees
+/// (finite values, increasing times, a configuration that reads back). Also aborts if a rejection
+/// has no message. Any other exception of the reader passes through.
 std::string ReadAnything(const unsigned char* data, std::size_t size);
 
 }  // namespace dn::testing

@@ -212,8 +212,8 @@ TEST(Sbet, RejectionNamesTheFile) {
   }
 }
 
-// Course, heading and sign convention are those documented with the data: the course is 158.41 deg
-// from positions and 158.39 deg from velocities, the true heading 163.99 deg, and y is to the left
+// Course, heading and sign convention are those documented with the data. The course is 158.41 deg
+// from positions and 158.39 deg from velocities, and the true heading 163.99 deg; y is to the left
 // of x.
 TEST(Sbet, ReadsARealFile) {
   const std::filesystem::path path = DN_SHARED_DATA_DIR "/data/leeward/sbet.out";

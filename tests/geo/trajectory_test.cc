@@ -50,8 +50,8 @@ TEST(NavPoint, RoundTripsThroughTheMap) {
   }
 }
 
-// A level aircraft 20 km east of the origin with true heading north: its attitude in m is the NED
-// frame of the point, which differs by 0.18 deg from that of the origin.
+// A level aircraft is 20 km east of the origin with true heading north. Its attitude in m is the
+// NED frame of the point, which differs by 0.18 deg from that of the origin.
 TEST(NavPoint, AttitudeRefersToTheNorthEastDownOfThePoint) {
   MapPose pose;
   pose.p_mb = {20000.0, 0.0, 0.0};

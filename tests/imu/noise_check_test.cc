@@ -77,7 +77,7 @@ TEST(NoiseCheck, FindsTheRatioOfEachTriad) {
   EXPECT_LT(std::max(causes.not_white[0], causes.not_white[1]), -1.0);
 }
 
-// Both triads have more noise, like in a window that lasts the whole flight.
+// Both triads have more noise, as in a window that lasts the whole flight.
 TEST(NoiseCheck, LargerNoiseIsNotAWindow) {
   const NoiseCauses causes = NoiseCauseEvidence(Check(WhiteImu(7, 300.0, 1.2, 1.2)).evidence);
   EXPECT_GT(causes.scale[kGyroTriad], kClear);

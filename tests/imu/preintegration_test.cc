@@ -218,7 +218,7 @@ class GyroScale final : public ImuEffect {
   }
 };
 
-/// The gyro measures value (per axis) times specific force in addition; the accelerometers have a
+/// The gyro also measures the specific force times the value, per axis. The accelerometers have a
 /// bias in a window.
 class Mixed final : public ImuEffect {
  public:

@@ -105,7 +105,7 @@ TEST_P(EveryLasFormat, ReadsClassesWithoutTheirFlags) {
   las.minor = GetParam().minor;
   las.format = GetParam().format;
   las.points[0].classification = 2;
-  // With the flag "withheld" in the old formats.
+  // In the old formats, the class is stored together with the flag "withheld".
   las.points[1].classification = las.format >= 6 ? 64 : 6 | 0x80;
   const TempFile file("strip.las", las.Build());
   EXPECT_EQ(ReadAll(file.path()).classification,
@@ -272,11 +272,11 @@ TEST(Las, TheBoresightOfThePointsIsARecord) {
   const TempFile written("new.las", WrittenAgain(file, false, {}, rad));
   EXPECT_LT((*OpenStrip(written.path())->boresight_rad() - rad).norm(), 1e-15);
   EXPECT_EQ(ReadAll(written.path()).p_c, ReadAll(file.path()).p_c);
-  // Without the description, which LasBytes leaves empty.
+  // Only the sizes are compared, because LasBytes leaves the description of the record empty.
   las.vlrs.push_back({"dn", 1, BoresightContent(deg)});
   EXPECT_EQ(ReadWholeFile(written.path()).size(), las.Build().size());
 
-  // Another one takes its place, also beside a covariance.
+  // A new record replaces the old one, also if the file gets covariances.
   const TempFile again("again.las", WrittenAgain(written, true, {}, Vector3d(2.0 * rad)));
   EXPECT_LT((*OpenStrip(again.path())->boresight_rad() - 2.0 * rad).norm(), 1e-15);
   EXPECT_EQ(ReadAll(again.path()).record_bytes, 30u + 24u);
@@ -399,7 +399,8 @@ LasBytes WithExtendedRecords() {
   return las;
 }
 
-/// A file of three points and a hole, which promises so many extended records from `begin` on.
+/// Expects that a file with three points is rejected if its header promises `count` extended
+/// records from `begin` on. The file has `file_bytes` bytes.
 void ExpectRecordsRefused(std::uint32_t count, std::uint64_t begin, std::uint64_t file_bytes,
                           const std::string& what) {
   const testing::TempFolder folder;

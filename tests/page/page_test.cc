@@ -307,7 +307,7 @@ TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {
   EXPECT_EQ(page.sections.at(0).title, "Stages");
 }
 
-/// A result with pairs of strips of these names.
+/// Returns a result with pairs of strips of these names.
 Json WithStripPairs(const std::vector<std::string>& names) {
   Json result = Result("dn", 0.2, 0.001);
   for (const std::string& name : names) {

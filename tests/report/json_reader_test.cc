@@ -18,7 +18,7 @@ std::string Repeated(const std::string& text, std::size_t times) {
   return all;
 }
 
-/// Message and place of the refusal.
+/// Returns the message and the location of the rejection.
 std::string Refusal(const std::function<void()>& read) {
   try {
     read();

@@ -59,8 +59,8 @@ TEST(Redundancy, OfTwoMeasurementsOfOneUnknown) {
   EXPECT_THROW(RedundancyNumbers(without, coarse), InvalidInput);
 }
 
-// In a chain of noisy steps and noisy positions, residuals divided by the square roots of their
-// redundancy numbers have variance one, separately for steps and positions.
+// In a chain of noisy steps and noisy positions, residuals are divided by the square roots of their
+// redundancy numbers. They then have variance one, separately for steps and positions.
 TEST(Redundancy, StandardisesTheResiduals) {
   constexpr double kStepSigma = 0.2, kPositionSigma = 0.7;
   constexpr int kNodes = 300;

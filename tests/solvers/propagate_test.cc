@@ -77,7 +77,7 @@ TEST(Propagate, ThroughTheTangentOfARotation) {
   EXPECT_LT((point.covariance - expected).norm(), 1e-12 * expected.norm());
 }
 
-// Functions receive numbers and poses as in Network::Add. The sigma of x^2 is 2 x sigma; a point of
+// Functions receive numbers and poses as in Network::Add. The sigma of x^2 is 2 x sigma. A point of
 // a pose has the covariance of the translation plus that of the rotated lever arm.
 TEST(Propagate, TakesNumbersAndPoses) {
   Network net;

@@ -7,7 +7,7 @@
 
 namespace dn::testing {
 
-/// Two opposite strips of a minute each over rolling ground, with an apx15.
+/// Two opposite strips of a minute each over rolling ground, with the inertial sensor apx15.
 inline const std::string kTwoStrips = R"(
 name: two
 origin_deg_m: [46.57, 6.52, 400]

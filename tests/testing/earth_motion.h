@@ -74,7 +74,7 @@ struct EarthMotion {
   }
 
   /// Returns mean rates over intervals of 1/rate_hz from t0_s to t1_s, by Gauss-Legendre quadrature
-  /// with five nodes (relative error below 1e-12 for ten samples per period).
+  /// with five nodes. The relative error is below 1e-12 for ten samples per period.
   ImuData Measure(double t0_s, double t1_s, double rate_hz) const {
     static constexpr double kNode[5] = {-0.906179845938663992797627, -0.538469310105683091036314,
                                         0.0, 0.538469310105683091036314,

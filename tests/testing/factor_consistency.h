@@ -19,8 +19,8 @@
 
 namespace dn::testing {
 
-/// Has the signature of FactorBase::Evaluate: another way to compute the residual and its
-/// Jacobians.
+/// Another way to compute the residual and its Jacobians, with the signature of
+/// FactorBase::Evaluate.
 using Evaluator = std::function<bool(double const* const* x, double* r, double** J)>;
 
 /// Tolerance between analytic and automatic differentiation. Both are exact except for rounding,

@@ -8,8 +8,8 @@
 
 namespace dn::testing {
 
-/// Returns a flight of a small drone 100 m above houses: two opposite strips of 10 s at 20 m/s and
-/// a higher cross strip, four minutes in total. `extra` adds sections (effects).
+/// Returns a flight of a small drone 100 m above houses, four minutes in total. It has two opposite
+/// strips of 10 s at 20 m/s and a higher cross strip. `extra` adds sections (effects).
 inline Scenario DroneScenario(const std::string& extra = "") {
   return ParseScenario(R"(
 name: drone

@@ -109,7 +109,8 @@ std::string MethodName(const Facts& result) {
   return method == "planes" ? "plane adjustment" : method;
 }
 
-/// Returns the pairs of strips of a result by name. Throws InvalidInput for a name that occurs twice.
+/// Returns the pairs of strips of a result by name. Throws InvalidInput for a name that occurs
+/// twice.
 std::map<std::string, Facts> StripPairsByName(const Facts& result) {
   std::map<std::string, Facts> pairs;
   for (const Facts& of : result["strip_pairs"].elements()) {

@@ -21,8 +21,8 @@ class ResultFolder {
   const Facts& report() const { return report_; }
   bool Has(const std::string& name) const;
   /// Reads a JSON file; returns an empty value if it is absent. Throws InvalidInput if it is not a
-  /// regular file or not JSON, and if the files of the folder together have more values than
-  /// ParseJson allows.
+  /// regular file or not JSON. Also throws if the files of the folder together have more values
+  /// than ParseJson allows.
   Facts Read(const std::string& name) const;
   /// Reads a table of numbers with so many columns; returns nullopt if it is absent. Throws as
   /// ReadTextTable.

@@ -28,7 +28,7 @@ HeatMap Correlations(const std::string& title, const std::vector<std::string>& r
 /// Returns a column of a table of numbers, minus the constant `minus`.
 std::vector<double> Column(const TextTable& table, std::size_t column, double minus = 0.0);
 
-/// Returns the points of a curve that a screen can show.
+/// Returns the curve with no more points than a screen can show.
 Curve OnScreen(const Curve& curve);
 
 /// Returns the section of the pairs: differences before and after per pair of strips, maps, and

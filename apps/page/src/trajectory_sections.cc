@@ -60,7 +60,8 @@ SeriesChart OverTime(const std::string& title, const std::string& y_label, const
   return chart;
 }
 
-/// Returns the same with bands of one sigma, from the columns that begin at `sigma`.
+/// Returns a chart of three columns over the time since the first row, with bands of one sigma. The
+/// sigmas are in the three columns that begin at `sigma`.
 SeriesChart WithBands(const std::string& title, const std::string& y_label, const TextTable& table,
                       std::size_t first, std::size_t sigma) {
   SeriesChart chart{title, "time since start [s]", y_label, {}};

@@ -101,7 +101,8 @@ class RowParser {
     return value ? *value : ParseNumber(text, Here());
   }
 
-  // Called for a row with values separated by blanks and with commas that no blank follows.
+  // Throws InvalidInput if the row has no decimal point. Such a row has decimal commas: its values
+  // are separated by blanks, and no blank follows its commas.
   void CheckDecimalPoints() const {
     if (text_.find('.') != std::string_view::npos) return;
     throw InvalidInput("the row has decimal commas; write decimal points",

@@ -12,8 +12,8 @@ namespace dn::internal {
 Trajectory ReadSbet(const std::filesystem::path& file);
 Trajectory ReadTrajectoryText(const std::filesystem::path& file, const TrajectoryColumns& columns);
 
-/// Returns velocities north, east, down in m/s by differentiating the positions of at least two
-/// points with increasing times, using the parabola through each point and its neighbours.
+/// Returns velocities north, east, down in m/s from the positions of at least two points with
+/// increasing times. Each is the slope of the parabola through the point and its neighbours.
 std::vector<Eigen::Vector3d> DifferentiatePositions(const std::vector<NavPoint>& points);
 
 /// Returns the difference in m/s between the positions and each of several lists of velocities

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMostShown = 60;
 
-/// Part of a text that a message can repeat.
+/// Returns the beginning of a text without control characters, for messages.
 std::string Shown(const std::string& text) {
   const std::string plain = WithoutControls(text);
   return plain.size() > kMostShown ? plain.substr(0, kMostShown) + "..." : plain;
@@ -19,7 +19,7 @@ std::string Shown(const std::string& text) {
 
 FileLocation FindLocation(std::string_view text, std::size_t position, const std::string& file) {
   const std::string_view before = text.substr(0, std::min(position, text.size()));
-  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 where there is none
+  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 if there is none
   return {file, 1 + static_cast<long>(std::count(before.begin(), before.end(), '\n')),
           std::max(1L, static_cast<long>(before.size() - line_begin))};
 }
@@ -78,8 +78,8 @@ class TreeBuilder {
     return true;
   }
 
-  // The object is filled as the list of pairs that it is: looking up every new key would take the
-  // square of their number.
+  // A new key is appended without a look-up: looking up every key would take a time quadratic in
+  // their number.
   Json& Place(Json value) {
     if (++values_ > limits_.values) Fail(fmt::format("more than {} values", limits_.values));
     if (open_.empty()) return root_ = std::move(value);

@@ -12,8 +12,8 @@
 namespace dn {
 namespace {
 
-// Share of the initial sigma of heading: 99 % of the information of an aligned filter comes from
-// the data.
+// A filter has aligned once its sigma of heading is below this fraction of the initial sigma. The
+// data then give 99 % of its information on heading.
 constexpr double kAlignedShare = 0.1;
 
 SeparationAt Difference(const LocalFrame& frame, const MapPose& forward, const MapPose& reverse) {

@@ -7,16 +7,16 @@
 
 namespace dn::internal {
 
-/// Functions that the methods on a fixed trajectory share.
+// The methods on a fixed trajectory share the functions of this file.
 
 /// Throws InvalidInput if the trajectory was adjusted together with the lidar data.
 void CheckTrajectory(const Flight& flight);
 
-/// Throws InvalidConfig if `estimate` does not name the boresight. `method` is its name in the
-/// message, such as "the plane adjustment".
+/// Throws InvalidConfig if `estimate` does not name the boresight. `method` names the adjustment in
+/// the message, such as "the plane adjustment".
 void CheckEstimate(const FlightConfig& config, const char* method);
 
-/// Does what ReadTrajectoryAccuracy does, for the given ends.
+/// Reads the accuracy of the trajectory as ReadTrajectoryAccuracy does, for the given ends.
 TrajectoryAccuracy ReadAccuracyAt(const Flight& flight,
                                   const std::vector<const GaussHelmertEnd*>& ends);
 
@@ -30,7 +30,7 @@ StripDiversity DescribeStrips(const Flight& flight, const std::vector<StripInter
                               double mean_range_m);
 
 /// Classifies an attitude error that changes a measured quantity with the noise noise_m by
-/// change_m: noise, held or absorbed.
+/// change_m: noise, covered or absorbed.
 facts::AttitudeInPairs::Size ClassifyAttitudeError(double change_m, double noise_m,
                                                    const Eigen::Vector3d& sigma_rph_rad);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kHopelessSigmas = 30.0;
 constexpr double kLargestShareLeft = 0.5;
 
-/// Squared norms of the whitened residuals of the positions in use.
+/// Returns the squared norms of the whitened residuals of the positions in use.
 std::vector<double> GnssNorms2(const FlightNetwork& network) {
   std::vector<double> norm2;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {

@@ -4,14 +4,14 @@
 
 namespace dn::internal {
 
-/// Whether more than half of the GNSS positions in use lie further off than noise, time-correlated
-/// errors and outliers could make it: their median residual exceeds 30 sigmas. Wrong axes, units
-/// and coordinates leave hundreds.
+/// Returns whether the median residual of the GNSS positions in use exceeds 30 sigmas. Neither
+/// noise, time-correlated errors nor outliers can cause this. Wrong axes, units or coordinates
+/// leave residuals of hundreds of sigmas.
 bool IsHopeless(const FlightNetwork& network);
 
-/// Whether a step of the clock that took the cost from `before` to `after` is worth another one:
-/// the network is not hopeless, or the cost has halved, as it does many times where a clock is the
-/// cause.
+/// Returns whether another step of the clock is worthwhile after a step that changed the cost from
+/// `before` to `after`. It is if the network is not hopeless, or if the cost has at least halved.
+/// If the clock is the cause, the cost halves many times.
 bool ClockMayExplain(const FlightNetwork& network, double before, double after);
 
 }  // namespace dn::internal

@@ -65,7 +65,8 @@ double Outside(const StripUnknowns& strip, double t_s) {
   return std::max({0.0, strip.t0_s - t_s, t_s - strip.t1_s});
 }
 
-/// Contribution of an unknown (six columns at `column`) to the error at an epoch; there are three.
+/// Contribution of an unknown (six columns at `column`) to the error at an epoch. Three unknowns
+/// contribute to each epoch.
 struct Share {
   Index column = 0;
   double weight = 0.0;

@@ -10,8 +10,8 @@ namespace dn::internal {
 /// First columns of PairColumns.
 inline constexpr Eigen::Index kLeverArmColumn = 0, kTimeOffsetColumn = 3, kPairEffectsColumn = 4;
 
-/// Returns the derivatives of the pair residuals by the lidar's lever arm, its time offset, and the
-/// effects of a calibration (PairEffectIndices), as columns in this order.
+/// Returns the derivatives of the pair residuals as columns. They are those by the lidar's lever
+/// arm, by its time offset, and by the effects of a calibration (PairEffectIndices), in this order.
 ///
 /// There is one matrix per pair edge. It is empty for an inactive edge, and for one whose residual
 /// is not a difference of two points. `means` are averaged samples for the derivatives of the

@@ -9,7 +9,7 @@
 
 namespace dn::internal {
 
-/// Return the sections of result.json that all methods have.
+/// These functions return the sections of result.json that all methods have.
 Json BoresightJson(const BoresightResult& boresight);
 Json AssessmentJson(const BoresightResult& boresight);
 Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns);

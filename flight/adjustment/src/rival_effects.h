@@ -26,8 +26,7 @@ struct WatchedUnknowns {
 /// unknown if they replace it. Computes the shift of the watched unknowns by this replacement.
 ///
 /// Unknown k of the network has the estimate d_k and the covariance C_kk. For a candidate j, Z =
-/// N^-1 J^T L. If j replaces k, the
-/// estimate d_j and the solution x' are
+/// N^-1 J^T L. If j replaces k, the estimate d_j and the solution x' are
 ///
 ///   s = s_j - A_jk d_k,  A = A_jj + Z_k^T C_kk^-1 Z_k,  A_kj = C_kk^-1 Z_k,  d_j = -A^-1 s,
 ///   x' - x = D_k d_k - (Z_x + D_k Z_k) d_j,  D_k = -C_xk C_kk^-1.

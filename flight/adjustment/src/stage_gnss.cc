@@ -93,8 +93,9 @@ void ExpectFit(AdjustmentRun& run) {
   FailFit(sigma0, run);
 }
 
-/// A clock that is off by more leaves no node near the time of its epochs: no adjustment with the
-/// assumed clock converges.
+/// Throws SensorsContradict if the GNSS clock is off by more than kLargestClockOffsetS. There is
+/// then no node near the true times of the epochs, and no adjustment with the assumed clock
+/// converges.
 void ExpectNearClock(AdjustmentRun& run) {
   const auto& clock = run.result().gnss_clock;
   if (!clock || std::abs(clock->offset_s) <= kLargestClockOffsetS) return;
@@ -314,7 +315,7 @@ void SolveInsGnss(AdjustmentRun& run) {
   run.SetGnssLoss(internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
   for (int k = 0; k < internal::kMaxRepreintegrations && run.network().BiasChange() > 1.0; ++k) {
-    if (k > 0 && internal::IsHopeless(run.network())) break;  // the biases follow something else
+    if (k > 0 && internal::IsHopeless(run.network())) break;  // another cause drives the biases
     run.network().Repreintegrate();
     run.Solve("INS/GNSS, new increments", run.options().max_iterations);
   }

@@ -25,8 +25,8 @@ using Eigen::Vector3d;
 
 using Ends = std::vector<const GaussHelmertEnd*>;
 
-/// Returns whether every end lies in a strip of the covariance, or as close to one as the epochs of
-/// the covariance are to each other.
+/// Returns whether the covariance covers every end. An end must lie in a strip of the covariance,
+/// or as close to one as the epochs of the covariance are to each other.
 bool Covers(const TrajectoryCovariance& covariance, const Ends& ends) {
   double spacing_s = 0.0;
   for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {

@@ -38,7 +38,7 @@ std::string Triple(const Eigen::Vector3d& rad) {
 
 bool StartsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
 
-/// Returns the key or file whose noise of a group is too small.
+/// Returns the key or the file that states too small a noise for a group.
 std::string LargerNoise(const std::string& group) {
   if (StartsWith(group, "lidar p2p")) return "lidar.sigma_p_m is too small";
   if (StartsWith(group, "gnss error")) return "the sigmas of gnss.processes are too small";

@@ -4,7 +4,7 @@
 
 namespace dn::internal {
 
-/// Return the factor groups of a flight under their names in reports.
+/// These functions return the factor groups of a flight, with their names in reports.
 const FactorGroup& InertialGroup();
 const FactorGroup& GnssPositionGroup();
 const FactorGroup& GnssVelocityGroup();

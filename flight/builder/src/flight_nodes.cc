@@ -75,9 +75,9 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
 }
 
 double AutoNodeRateHz(const Flight& flight) {
-  // A shared noise of the fraction s lowers a sigma by at most s/2 of itself. Measured
-  // (docs/validation/benchmarks.md): from 5 Hz on by a twentieth of s only, because the trajectory
-  // dominates there.
+  // If a fraction s of the variance is shared noise that counts as independent, a sigma is too
+  // small by at most s/2. From 5 Hz on it is too small by only s/20, because the trajectory
+  // dominates there (measured, docs/validation/benchmarks.md).
   struct Rung {
     double rate_hz, shared;
   };

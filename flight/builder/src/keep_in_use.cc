@@ -10,7 +10,8 @@ bool SamePair(const LidarPair& a, const LidarPair& b) {
   return a.t_i_s == b.t_i_s && a.t_j_s == b.t_j_s && a.u_i_s == b.u_i_s && a.u_j_s == b.u_j_s;
 }
 
-/// Requires that both networks have their pairs in the order of the flight.
+/// Activates exactly the pairs that are active in the other network. Both networks must have their
+/// pairs in the order of the flight.
 void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
   std::size_t theirs = 0;
   for (const FlightNetwork::PairEdge& edge : network->pair_edges) {

@@ -23,7 +23,8 @@ inline void FlipBody(Eigen::Matrix3d* R_b) {
   R_b->bottomRows<2>().array() = 0.0 - R_b->bottomRows<2>().array();
 }
 
-/// Read the sections of flight.yaml. body_is_flu: body quantities of the file are forward-left-up.
+/// The functions named Read...Section read the sections of flight.yaml. body_is_flu: body
+/// quantities of the file are forward-left-up.
 ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu);
 /// Reads the coordinate system of a text file.
 std::string ReadTextCrs(const YamlValue& crs);

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsLookedAt = 4000;
-// With this limit every half minute of a day at 200 Hz has some rows.
+// With this limit, a day at 200 Hz keeps some rows of every half minute.
 constexpr std::size_t kMostSpacedRows = 50000;
 constexpr double kMostSigmaM = 1000.0;
 // Limit between GNSS receivers and inertial sensors: the former have at most this rate, the latter
@@ -203,7 +203,7 @@ TextTable EverySecondRow(const TextTable& table) {
   return kept;
 }
 
-/// Rows of the whole file, evenly spaced where there are more than are kept.
+/// Returns rows of the whole file, evenly spaced if the file has more than kMostSpacedRows.
 TextTable SpacedRows(const fs::path& file) {
   TextTableReader reader(file, {});
   TextTable rows;

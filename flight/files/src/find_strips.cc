@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kHoleBetweenStripsS = 5.0;
 constexpr double kHalfWindowS = 5.0;  // the course is compared over twice this time
-// Within the window; a turn of 3 deg/s changes it by 0.5.
+// Largest change of the course within the window; a turn of 3 deg/s changes it by 0.5 rad.
 constexpr double kMaxCourseChangeRad = 0.1;
 constexpr double kMinSpeedMps = 0.5;  // a slower body has no defined course
 constexpr double kMinStripS = 10.0;

@@ -87,7 +87,8 @@ class StripGeoreferencer::Work {
 
   StripAdditions Additions() const {
     StripAdditions additions{.covariance = setup_.options.errors.has_value()};
-    // Points of wrong vectors lie as if by another boresight: nothing that a record could state.
+    // Vectors with an assumed boresight may be wrong. No boresight then describes the new points,
+    // so none is recorded.
     if (result_.origin.kind != VectorOrigin::Kind::kAssumed) {
       additions.boresight_rad = setup_.options.mounting.boresight_rad;
     }

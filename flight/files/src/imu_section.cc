@@ -9,7 +9,7 @@
 namespace dn::internal {
 namespace {
 
-// A list in a configuration is written by hand.
+// This limit suffices for a list that is written by hand.
 constexpr std::size_t kMostVibrations = 1000;
 
 double ProcessSigma(const YamlValue& item, const char* key, ToSi to_si) {

@@ -74,7 +74,8 @@ std::optional<Eigen::Vector3d> ReadBoresightSigma(const YamlValue& value) {
   return deg.unaryExpr(&RadFromDeg);
 }
 
-/// `boresight`, which is that of the section, or {boresight_deg: [roll, pitch, yaw]}.
+/// Reads the word `boresight`, which means the boresight of the section, or {boresight_deg: [roll,
+/// pitch, yaw]}.
 Eigen::Vector3d ReadGeoreferencing(const YamlValue& value, const Eigen::Vector3d& boresight_rad,
                                    bool body_is_flu) {
   if (value.IsScalar()) {

@@ -46,8 +46,8 @@ void Keep(const fs::path& file, const fs::path& kept) {
   if (::link(file.c_str(), kept.c_str()) != 0) fs::rename(file, kept);
 }
 
-// Inode numbers bind a journal to the two directories in which it was written. A copy of them, or
-// a journal that somebody else has put there, has others.
+// Inode numbers bind a journal to the two directories in which it was written. They differ in a
+// copy of the directories, and in a journal that somebody else has put there.
 std::string FirstLine(const fs::path& staging) {
   std::string line = "dn.commit/1";
   for (const fs::path& directory : {staging.parent_path(), staging}) {
@@ -75,7 +75,8 @@ std::string JournalText(const fs::path& staging) {
   }
 }
 
-// A folder between a directory and a file of it may be absent, but no link.
+// A folder between the results directory and one of its files may be absent, but must not be a
+// link.
 void ExpectNoLink(const fs::path& staging, const fs::path& folder) {
   if (!Exists(folder) || IsRealDirectory(folder)) return;
   Refuse(staging, folder.string() + " is not a folder");
@@ -111,7 +112,7 @@ void UndoOne(const fs::path& staging, const std::string& name) {
     fs::remove(target, none);
   }
   const fs::path folder = fs::path(name).parent_path();
-  // Only succeeds if it is empty.
+  // rmdir only succeeds if the folder is empty.
   if (!folder.empty()) ::rmdir((staging.parent_path() / folder).c_str());
 }
 

@@ -16,7 +16,8 @@ void CommitStaged(const std::filesystem::path& staging, const std::vector<std::s
 
 /// Undoes an interrupted commit into the directory above; does nothing if there is no such commit.
 /// Throws UnusableOutput, with nothing changed, for a journal that was not written in these two
-/// directories or that names a file outside them, and if a link takes the place of a folder.
+/// directories or that names a file outside them. Also throws if a link takes the place of a
+/// folder.
 void UndoCommit(const std::filesystem::path& staging);
 
 }  // namespace dn::internal

@@ -13,11 +13,11 @@ namespace dn::internal {
 /// nullopt if no system fits.
 std::optional<std::string> FindCoordinateSystem(const TextTable& table);
 
-/// Returns the columns of a text if it is a trajectory: 8 columns that end with a unit quaternion,
-/// or 7 that end with three angles. The heading must follow the course in most of the moving rows.
-/// The coordinate system is that of FindCoordinateSystem; the zone of a grid cannot be determined
-/// ("utm:"). The convention of a quaternion is the one for which the body moves forward, or
-/// north-east-down without motion. The body is FLU if its z axis points up.
+/// Returns the columns of a text if it is a trajectory. It must have 8 columns that end with a unit
+/// quaternion, or 7 that end with three angles. The heading must follow the course in most of the
+/// moving rows. The coordinate system is that of FindCoordinateSystem; the zone of a grid cannot be
+/// determined ("utm:"). The convention of a quaternion is the one for which the body moves forward,
+/// or north-east-down without motion. The body is FLU if its z axis points up.
 std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table);
 
 }  // namespace dn::internal

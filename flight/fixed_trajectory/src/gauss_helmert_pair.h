@@ -14,8 +14,8 @@ struct EndTerms {
   Eigen::Matrix3d J_phi;
 };
 
-/// Returns the laser vector in the body frame, rotated by q_boresight = Exp(theta) in the
-/// exponential model and by I + [theta]x in the small-angle model.
+/// Returns the laser vector in the body frame, rotated by the boresight. The rotation is
+/// q_boresight = Exp(theta) in the exponential model, and I + [theta]x in the small-angle model.
 Eigen::Vector3d BodyVector(const GaussHelmertEnd& end, BoresightModel model,
                            const Eigen::Vector3d& theta_rad, const Eigen::Quaterniond& q_boresight);
 
@@ -25,8 +25,8 @@ EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_ar
                      const Eigen::Quaterniond& q_boresight, const Eigen::Vector3d& v_p,
                      const Eigen::Vector3d& v_phi);
 
-/// Observation covariance P^-1 of an end: the covariance of the position in map axes (m^2), and a
-/// factor F of the attitude covariance F F^T in body axes (rad^2).
+/// Observation covariance P^-1 of an end. It consists of the position covariance in map axes (m^2),
+/// and of a factor F of the attitude covariance F F^T in body axes (rad^2).
 struct EndNoise {
   Eigen::Matrix3d position;
   Eigen::Matrix3d attitude_factor;

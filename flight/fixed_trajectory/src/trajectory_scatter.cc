@@ -50,9 +50,9 @@ struct ConstantShare {
 };
 constexpr ConstantShare kConstantShares[] = {{0.0, 0.25}, {0.5, 0.5}, {1.0, 0.25}};
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // grid of log2(s_p / s_a)
-// Standard deviation, in octaves, of the log-normal prior of the scale of the stated sigmas: a
-// factor of 1.3 for a smoother and 1.6 for a data sheet. The mean of the variance equals the stated
-// variance.
+// Standard deviation, in octaves, of the log-normal prior of the scale of the stated sigmas. It is
+// a factor of 1.3 for a smoother and 1.6 for a data sheet. The mean of the variance equals the
+// stated variance.
 constexpr double kSmootherOctaves = 0.4;
 constexpr double kDataSheetOctaves = 0.7;
 // Grid of (s / s0)^2 in octaves, from a negligible error to 32 times the stated sigma.
@@ -84,7 +84,7 @@ TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const
     const double off = i == 0 ? 0.0 : rho * sub[i - 1];
     const double next = 1.0 + rho * diagonal[i] - (i == 0 ? 0.0 : off * off / pivot);
     forward = c[i] - (i == 0 ? 0.0 : off / pivot * forward);
-    // As for the eigenvalues of I + rho T, which are >= 1 except for rounding.
+    // Like the eigenvalues of I + rho T, the pivots are >= 1 except for rounding.
     pivot = std::max(next, 1.0);
     out.log_det += std::log(pivot);
     out.explained += rho * forward * forward / pivot;
@@ -116,8 +116,8 @@ struct Information {
   VectorXd diagonal, sub, c;
 };
 
-/// Relation between the common scale s of an Information and the sizes of the errors: s_p =
-/// position s, s_a = attitude s, with the constant share of the attitude variance.
+/// Relation between the common scale s of an Information and the sizes of the errors, s_p =
+/// position s and s_a = attitude s. It includes the constant share of the attitude variance.
 struct Sizes {
   double position = 1.0, attitude = 1.0, constant_share = 0.0;
   double log_weight = 0.0;
@@ -341,7 +341,8 @@ class ScatterEstimator {
     return {tridiagonal.diagonal(), tridiagonal.subDiagonal(), tridiagonal.matrixQ().adjoint() * c};
   }
 
-  // Adds a grid point for each error size s of the last effect.
+  // Adds grid points for the last element of effects_: one for each error scale s and each of
+  // `sizes`.
   void AddPoints(const Information& information, const std::vector<Sizes>& sizes) {
     for (int step = kRhoStepsPerOctave * kFirstRhoOctave;
          step <= kRhoStepsPerOctave * kLastRhoOctave; ++step) {
@@ -428,9 +429,9 @@ class ScatterEstimator {
 };
 
 /// Adds an epoch in the middle between consecutive epochs of a strip. Over short times the attitude
-/// error from gyros is a random walk. Its midpoint deviates from linear interpolation with a
-/// quarter of the variance of the difference: e_m = (e_a + e_b) / 2 + n, n ~ N(0, D[e_b - e_a] /
-/// 4).
+/// error from gyros is a random walk. Its midpoint then deviates from linear interpolation with a
+/// quarter of the variance of the difference. In symbols, e_m = (e_a + e_b) / 2 + n, n ~ N(0, D[e_b
+/// - e_a] / 4).
 PoseCovariance Refined(const PoseCovariance& stated) {
   struct Row {
     Eigen::Index a, b;
@@ -465,7 +466,7 @@ PoseCovariance Refined(const PoseCovariance& stated) {
   return out;
 }
 
-/// Reorders from six rows per node to the order of NodeSums.
+/// Reorders a matrix with six rows per node to the order of NodeSums.
 MatrixXd ByComponent(const MatrixXd& by_node) {
   const Eigen::Index T = by_node.rows() / 6;
   const auto from = [&](Eigen::Index row) { return 6 * (row % T) + row / T; };

@@ -106,7 +106,7 @@ struct Axis {
     return (energies.colwise() / squares * squares.mean()).rowwise() / energies.colwise().mean();
   }
 
-  /// Returns the excess of the energies over that expectation.
+  /// Returns the energies minus their expectation for the noise level that y^T y indicates.
   Eigen::ArrayXd Excess() const {
     return energy - square / squares.mean() * energies.colwise().mean().transpose();
   }
@@ -131,13 +131,13 @@ struct Axis {
   }
 };
 
-/// A process on one axis and the misfit of its excess.
+/// Fitted variance of a process on one axis, and the weighted sum of squared residuals of the fit.
 struct Fit {
   double variance_m2 = 0.0;
   double misfit = 0.0;
 };
 
-/// Fits the variance by least squares over the energies at all tau, with sigmas proportional to the
+/// Fits the variance to the excess at all tau by least squares. The sigmas are proportional to the
 /// energies.
 Fit FitProcess(const Axis& axis, Eigen::Index of) {
   const Eigen::ArrayXd excess = axis.Excess(), unit = axis.ProcessExcess(of);

@@ -61,7 +61,8 @@ struct Run {
   std::size_t first, past;  // indices into the positions
 };
 
-// Returns the runs between any two of the boundaries before and after the given positions.
+// Returns the runs of positions that begin and end directly before or after one of the given
+// positions, at most half of all positions long.
 std::vector<Run> RunsBetween(const std::vector<ActivePosition>& positions,
                              const std::vector<FactorId>& ends) {
   std::set<std::size_t> places;
@@ -193,7 +194,8 @@ double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
   return std::sqrt(sum / static_cast<double>(effect.size()));
 }
 
-// Returns the same for an offset of the positions of a run.
+// Returns the root mean square, in sigmas, of the change that an offset of the positions of a run
+// makes to the residuals.
 double Moved(const std::vector<ActivePosition>& positions, const Run& run,
              const Eigen::Vector3d& offset_m) {
   double sum = 0.0;

@@ -99,7 +99,8 @@ double WindowLength(const Flight& flight) {
   return std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
 }
 
-/// Returns the mean misfit of the alignments in windows, m/s^2; nullopt for fewer than three windows.
+/// Returns the mean misfit of the alignments in windows, m/s^2; nullopt if fewer than three are
+/// valid.
 std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& legs, int threads) {
   const double window_s = WindowLength(flight);
   std::vector<internal::InFlight> starts(legs.size());
@@ -119,7 +120,7 @@ std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& l
   return n < 3.0 ? std::nullopt : std::optional(sum / n);
 }
 
-/// Returns all mistakes that can be told apart.
+/// Returns all mistakes that FindAxesMistake distinguishes.
 std::vector<AxesMistake> AllAxesMistakes() {
   using Sensor = AxesMistake::Sensor;
   std::vector<AxesMistake> mistakes{{Sensor::kBoth, -Eigen::Matrix3d::Identity()},
@@ -257,13 +258,13 @@ class TurnCorrelation {
   double n_ = 0, sx_ = 0, sy_ = 0, sxx_ = 0, syy_ = 0, sxy_ = 0;
 };
 
-// Lags in steps, from -kMostLagS to kMostLagS.
+// Number of lags from kMostLagS down to -kMostLagS.
 constexpr int kLags = static_cast<int>(2.0 * kMostLagS / kLagStepS) + 1;
 
 double LagSeconds(int step) { return kMostLagS - step * kLagStepS; }
 
-/// Returns the correlation of the turns with those of the gyros for each lag, the longest lag
-/// first.
+/// Returns the correlation of the turns with those of the gyros for each lag, from kMostLagS down
+/// to -kMostLagS.
 std::vector<TurnCorrelation> CorrelationsByLag(const std::vector<Turn>& turns,
                                                const TurnedAngle& gyro) {
   std::vector<TurnCorrelation> by_lag(kLags);

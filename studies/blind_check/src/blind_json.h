@@ -14,7 +14,7 @@ inline std::optional<double> OptionalNumber(const JsonPlace& json) {
   return json.is_null() ? std::nullopt : std::optional(json.Number());
 }
 
-/// A name that tables and lists separated by commas can hold.
+/// Returns a name that is safe in tables and in lists separated by commas.
 inline std::string WordFromJson(const JsonPlace& json) {
   constexpr std::size_t kLongest = 200;
   std::string word = json.Text(kLongest);
@@ -29,7 +29,7 @@ inline std::vector<std::string> WordsFromJson(const JsonPlace& json) {
   return words;
 }
 
-/// Numbers of a list; null stands for an empty one.
+/// Returns the numbers of a list; null represents an empty list.
 inline std::vector<double> NumbersFromJson(const JsonPlace& json) {
   std::vector<double> numbers;
   if (json.is_null()) return numbers;
@@ -37,7 +37,7 @@ inline std::vector<double> NumbersFromJson(const JsonPlace& json) {
   return numbers;
 }
 
-/// The causes of gap.json and of a record, which are written alike.
+/// Returns the causes of gap.json or of a record, which have the same format.
 inline std::vector<BlindCause> CausesFromJson(const JsonPlace& json) {
   std::vector<BlindCause> causes;
   for (const JsonPlace& cause : json.Elements()) {

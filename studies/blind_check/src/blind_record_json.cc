@@ -12,7 +12,7 @@ Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-// Far above any that a flight has.
+// Limits far above the numbers of any flight.
 constexpr std::int64_t kMostFlights = 1'000'000;
 constexpr std::int64_t kMostStrips = 100'000;
 constexpr double kMostTime_s = 1e9;
@@ -116,7 +116,8 @@ Outcome<T> OutcomeFromJson(const JsonPlace& json) {
   return outcome;
 }
 
-// The score looks for what a flight contains by the word that says so.
+// Returns whether the effects of a record agree with its `content`, because the score relies on
+// `content`.
 bool FitsContent(const BlindRecord& record) {
   switch (record.content) {
     case BlindContent::kNothing:

@@ -6,7 +6,7 @@
 namespace dn {
 namespace {
 
-// Far above any that a flight has.
+// Limits far above the numbers of any flight.
 constexpr std::int64_t kMostCount = 1'000'000'000'000;
 constexpr std::int64_t kMostRedundancy = 1'000'000'000;
 constexpr double kMostFigure = 1e18;

@@ -18,7 +18,8 @@ BaseScenario ReadBaseScenario(const YamlValue& base, const std::string& where);
 /// Joins the elements of a YAML list by commas.
 std::string JoinedYaml(const YamlValue& list);
 
-/// The same of a list of unknowns. Throws InvalidConfig at its place for a name of none.
+/// Joins a list of unknowns by commas. Throws InvalidConfig, with the location of the list, for a
+/// name that is not an unknown.
 std::string ReadEstimateList(const YamlValue& list);
 
 }  // namespace dn

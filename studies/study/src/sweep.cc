@@ -42,7 +42,7 @@ SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   return key;
 }
 
-/// Counts the designs before any of their values is read.
+/// Throws InvalidConfig for too many designs, before any of their values is read.
 void ExpectFewDesigns(const YamlValue& keys) {
   std::uint64_t size = 1;
   for (const std::string& path : keys.Keys()) {

@@ -12,8 +12,9 @@ namespace dn {
 /// unknown and others are determined jointly but hardly separately, weakest first. Adds no
 /// remedies.
 ///
-/// With the joint covariance C, N = C^-1 and D = diag(N)^(-1/2), the latter are eigenvectors of D N
-/// D. The eigenvalues are 1 for unknowns that are determined separately.
+/// Let C be the joint covariance, N = C^-1 and D = diag(N)^(-1/2). The directions of jointly
+/// determined unknowns are eigenvectors of D N D. The eigenvalues are 1 for unknowns that are
+/// determined separately.
 std::vector<StudyDirection> StudyDirections(const JointCovariance& joint);
 
 }  // namespace dn

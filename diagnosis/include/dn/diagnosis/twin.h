@@ -11,8 +11,8 @@
 
 namespace dn {
 
-/// File name of the trajectory that a MakeReplicateScenario replays; the file is in the folder of
-/// the scenario.
+/// Name of the trajectory file that a scenario of MakeReplicateScenario replays. The file is in the
+/// folder of the scenario.
 inline constexpr const char* kReplayTrajectoryFile = "trajectory.out";
 
 /// Returns a scenario that flies a flight again with the given effects (a parametric bootstrap

@@ -22,7 +22,7 @@ inline bool IsUnwritten(double value) {
 /// Computes the residual and Jacobians of `function(x, r)` by automatic differentiation. `function`
 /// is a template over the number type of x and r, with R residuals and blocks of the given sizes.
 /// Arguments and layout are those of FactorBase::Evaluate. Rows that the function does not write
-/// stay UnwrittenNan.
+/// keep the value UnwrittenNan().
 template <int R, int... kSizes, class Function>
 bool Differentiate(const Function& function, double const* const* x, double* r, double** J) {
   constexpr int kBlocks = sizeof...(kSizes);
@@ -46,8 +46,8 @@ bool Differentiate(const Function& function, double const* const* x, double* r, 
   return true;
 }
 
-/// Does the same if the number and sizes of the blocks are known only at run time, with a few
-/// derivatives per pass.
+/// Does what Differentiate does if the number and sizes of the blocks are known only at run time.
+/// Each pass computes a few derivatives.
 template <class Function>
 bool DifferentiateDynamic(const Function& function, const std::vector<int>& sizes, int residuals,
                           double const* const* x, double* r, double** J) {

@@ -26,12 +26,12 @@ class FactorBase {
   /// Returns the kinds of the blocks, in the order in which Evaluate takes them.
   virtual const std::vector<BlockKind>& block_kinds() const = 0;
 
-  /// Computes the residual r and, if J and J[i] are not null, the Jacobian with respect to the
-  /// *stored* coordinates of block i, row-major residual_size x stored_size. Only the product of a
-  /// Jacobian with the block's PlusJacobian is used, so only this product must be correct. r and J
-  /// are UnwrittenNan on entry. A value that stays UnwrittenNan, or is not finite, ends an
-  /// adjustment with a message that names the factor. An exception also ends it, and reaches the
-  /// caller as InvalidInput.
+  /// Computes the residual r. If J and J[i] are not null, also computes the Jacobian with respect
+  /// to the *stored* coordinates of block i, row-major residual_size x stored_size. Only the
+  /// product of a Jacobian with the block's PlusJacobian is used, so only this product must be
+  /// correct. On entry, r and J are filled with UnwrittenNan(). A value that is not written, or not
+  /// finite, ends an adjustment with a message that names the factor. An exception also ends it,
+  /// and reaches the caller as InvalidInput.
   virtual bool Evaluate(double const* const* x, double* r, double** J) const = 0;
 
  protected:

@@ -20,10 +20,10 @@ namespace dn {
 ///     static void Minus(const double* y, const double* x, double* y_minus_x);  // inverse of Plus
 ///   };
 ///
-/// If Plus is not a template, the kind also needs PlusJacobian(const double* x, double* J): d Plus
-/// / d d at d = 0, row-major kSize x kTangentSize. Define `using Value` and `template <class T>
-/// using View` (constructed from a pointer) if Network::Value and functions given to Network::Add
-/// are to see another type than a vector.
+/// If Plus is not a template, the kind also needs PlusJacobian(const double* x, double* J). It
+/// writes d Plus / d d at d = 0, row-major kSize x kTangentSize. Network::Value and functions given
+/// to Network::Add see a vector by default. Define `using Value` and `template <class T> using
+/// View` (constructed from a pointer) for another type.
 template <class M>
 concept ManifoldKind = requires(const double* x, double* y) {
   { M::kSize } -> std::convertible_to<int>;

@@ -147,10 +147,10 @@ class Network {
   ///           dn::Noise<1>::Sigma(0.02), antenna);
   ///
   /// `function` takes one `const auto&` per block: a vector or quaternion (Eigen map) of T, a T for
-  /// a Scalar, a Transform<T> for a Pose, or the View of a user's own kind; T is double or
-  /// ceres::Jet. It returns R residuals: a T, or an Eigen vector of fixed size (end an expression
-  /// with .eval()), or a std::optional of one of these, empty if the model is undefined. Other
-  /// shapes do not compile.
+  /// a Scalar, a Transform<T> for a Pose, or the View of a user's own kind. T is double or
+  /// ceres::Jet. The function returns R residuals: a T, an Eigen vector of fixed size (end an
+  /// expression with .eval()), or a std::optional of one of these. An empty optional means that the
+  /// model is undefined. Other shapes do not compile.
   template <class Function, int R, class... Kinds>
   FactorId Add(Function function, const Noise<R>& noise, Block<Kinds>... blocks) {
     using F = FunctionFactor<Function, R, Kinds...>;
@@ -190,7 +190,7 @@ class Network {
   /// Sets the group of a factor and its epoch (NaN: no epoch). Throws InvalidInput unless the group
   /// has either no row names or one per residual.
   void Tag(FactorId id, const FactorGroup& group, double t_s);
-  /// Does the same for a group of measurements without row names.
+  /// Sets the group of a factor by its name, for measurements without row names.
   void Tag(FactorId id, const std::string& group, double t_s) { Tag(id, FactorGroup{group}, t_s); }
 
   /// Sets the label of a block. Throws InvalidInput unless it has either no component names or one

@@ -10,8 +10,8 @@
 
 namespace dn {
 
-/// Gaussian measurement noise of dimension N, stored as the square-root information W with W^T W =
-/// covariance^-1, so that W (measured - predicted) is unitless with unit covariance.
+/// Gaussian measurement noise of dimension N. It is stored as the square-root information W with
+/// W^T W = covariance^-1, so that W (measured - predicted) is unitless with unit covariance.
 ///
 /// Every object is valid: the constructors throw InvalidInput for values that are not finite or not
 /// positive definite.

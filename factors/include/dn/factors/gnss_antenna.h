@@ -37,8 +37,8 @@ class GnssEffect {
 
 using GnssEffects = std::vector<std::shared_ptr<const GnssEffect>>;
 
-/// Returns the reading of a tag with the corrections of all effects; `values` has one pointer to
-/// the values of each effect.
+/// Returns the reading at the time tag tag_s with the corrections of all effects. `values` has one
+/// pointer to the values of each effect.
 GnssReading Corrected(const GnssEffects& effects, double const* const* values, double tag_s);
 
 /// Motion of the body at a node near the tag of an epoch. Between the node and the epoch the

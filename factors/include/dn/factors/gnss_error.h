@@ -7,8 +7,8 @@
 
 namespace dn {
 
-/// A time-correlated error of GNSS positions as a state: a block of a GnssAntenna that holds the
-/// value c of a process at the epoch,
+/// A time-correlated error of GNSS positions as a state: a block of a GnssAntenna with the value c
+/// of a process at the epoch,
 ///
 ///   shift_m = R_m_enu diag(sigma_enu) c,      c [3]: east, north, up, in units of the sigmas.
 ///

@@ -27,9 +27,9 @@ namespace dn {
 /// times |a_b|.
 class GnssVelocity final : public Factor<GnssVelocity, 3, Rotation, Vec<3>, Vec<3>> {
  public:
-  /// Creates the factor. z_m is the measured antenna velocity in map, m/s; w_ib_b_radps the
-  /// bias-corrected angular rate at the epoch; w_ie_m_radps the Earth rotation in map; `noise` is
-  /// in map axes, m/s. Throws InvalidInput if a value is not finite.
+  /// Creates the factor. z_m is the measured antenna velocity in map, m/s. w_ib_b_radps is the
+  /// bias-corrected angular rate at the epoch, and w_ie_m_radps the Earth rotation in map. `noise`
+  /// is in map axes, m/s. Throws InvalidInput if a value is not finite.
   GnssVelocity(const Eigen::Vector3d& z_m, const Eigen::Vector3d& w_ib_b_radps,
                const Eigen::Vector3d& w_ie_m_radps, const Noise<3>& noise);
 

@@ -39,7 +39,8 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
 ///
 /// p', v', R' are the StateAfterNode (q_mb, p_mb, v_m) at the end of the partial increments, and
 /// w_b is the corrected angular rate there. ddt is the part of the tag's delay that the end of the
-/// increments does not include: the point moves along its velocity with respect to the Earth.
+/// increments does not include. The point is moved by -ddt times its velocity with respect to the
+/// Earth.
 class LidarPoint {
  public:
   LidarPoint() = default;

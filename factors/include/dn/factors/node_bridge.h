@@ -19,11 +19,11 @@ namespace dn {
 ///   Cov(z_t | z_D) = Cov(z_t) - K Cov(z_D) K^T
 ///
 /// After the increments are moved by K r, their remaining noise is independent of the rotation of
-/// the inertial edge, so it is not counted twice. Its variance falls from that of a random walk to
-/// that of a Brownian bridge, a quarter in the middle of the interval. The biases stay at the
-/// linearisation, because a change of the gyro bias moves z_t and K r equally. For the same reason
-/// the velocities are not used: through them an accelerometer bias would rotate the points. Source:
-/// conditional normal distribution.
+/// the inertial edge. It is therefore not counted twice. Its variance falls from that of a random
+/// walk to that of a Brownian bridge, a quarter in the middle of the interval. The biases stay at
+/// the linearisation, because a change of the gyro bias moves z_t and K r equally. For the same
+/// reason the velocities are not used: through them an accelerometer bias would rotate the points.
+/// Source: conditional normal distribution.
 class IncrementConditioning {
  public:
   using Vector9 = Eigen::Matrix<double, 9, 1>;

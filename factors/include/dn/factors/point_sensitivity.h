@@ -45,8 +45,8 @@ struct EffectsOnPoint {
   const std::vector<GravitationBasis>& attraction;
 };
 
-/// Adds d residual / d value to `sum`: first the columns of the lidar effects, then of the inertial
-/// effects, then of the effects on gravitation. T_bs is the nominal mounting.
+/// Adds d residual / d value to `sum`. Its columns are those of the lidar effects, then of the
+/// inertial effects, then of the effects on gravitation. T_bs is the nominal mounting.
 void AddEffectJacobians(const PointSensitivity& point, const EffectsOnPoint& effects,
                         const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum);
 

@@ -22,7 +22,7 @@ class PointPairFactor {
 
   enum class End { kI, kJ };
   /// Returns the Jacobians of the residual with respect to changes of one point at the given
-  /// blocks, or nullopt if the factor does not provide them.
+  /// blocks. Returns nullopt if the factor does not provide them.
   virtual std::optional<PointSensitivity> SensitivityAt(End /*end*/,
                                                         double const* const* /*x*/) const {
     return std::nullopt;
@@ -68,11 +68,11 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
                                          Vec<3>, Vec<3>, LeftRotation, Vec<3>, Vec<1>>,
                            public PointPairFactor {
  public:
-  /// Creates the factor. T_bs_nominal is the mounting matrix sensor -> body; dt_nominal_s is the
-  /// time offset used to choose the end of the partial increments; noise_m is the noise of the
-  /// difference of the two points in map axes. Throws InvalidInput if a laser vector is zero or not
-  /// finite; if a nominal position, the mounting matrix or the offset is not finite; if the
-  /// mounting matrix is not a rotation (1e-6); or if an end has a bridge.
+  /// Creates the factor. T_bs_nominal is the mounting matrix sensor -> body. dt_nominal_s is the
+  /// time offset that was used to choose the end of the partial increments. noise_m is the noise of
+  /// the difference of the two points in map axes. Throws InvalidInput if a laser vector is zero,
+  /// or if it, a nominal position, the mounting matrix or the offset is not finite. Also throws if
+  /// the mounting matrix is not a rotation (1e-6), or if an end has a bridge.
   PointToPoint(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
                const Eigen::Matrix3d& T_bs_nominal, double dt_nominal_s, const Noise<3>& noise_m);
 

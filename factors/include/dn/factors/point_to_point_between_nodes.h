@@ -23,8 +23,8 @@ namespace dn {
 ///
 /// The LidarPoint x of each end uses the corrected reading: its laser vector, its epoch tag - dt -
 /// delay, and the boresight Exp(theta + turn). The partial increments are corrected by the
-/// IncrementConditioning, by the values of the inertial effects (to first order, d_e from their
-/// linearisation) and by the additional gravitation.
+/// IncrementConditioning and by the additional gravitation. They are also corrected by the values
+/// of the inertial effects, to first order (d_e from their linearisation).
 ///
 ///   block  | symbol | stored | tangent | meaning
 ///   -------|--------|--------|---------|----------------------------------------------------------

@@ -28,7 +28,7 @@ class StateAfterNode {
   StateAfterNode() = default;
 
   /// Creates the function. `partial` are the increments from the node to the epoch, corrected with
-  /// the current biases; gravitation is evaluated at p_nominal_m, the nominal position of the node.
+  /// the current biases. Gravitation is evaluated at p_nominal_m, the nominal position of the node.
   StateAfterNode(const LocalFrame& frame, const Preintegrated& partial,
                  const Eigen::Vector3d& p_nominal_m)
       : step_(AffineStep::Make(frame, partial.dt_s(), p_nominal_m)),
@@ -47,7 +47,7 @@ class StateAfterNode {
               Vec3(delta_v_.template cast<T>()), Vec3(delta_p_.template cast<T>()));
   }
 
-  /// Returns the state with other increments than those of the constructor.
+  /// Returns the state for increments other than those of the constructor.
   template <class T>
   KinematicState<T> At(const Eigen::Quaternion<T>& q_mb, const Eigen::Matrix<T, 3, 1>& p_mb,
                        const Eigen::Matrix<T, 3, 1>& v_m, const Eigen::Quaternion<T>& delta_q,

@@ -15,8 +15,8 @@ class TimeOffset final : public GnssEffect {
   }
 };
 
-/// tag = t + value (t - first). A constant offset shifts the tag of the first epoch like all
-/// others, so that t - first = (tag - first tag) / (1 + value).
+/// tag = t + value (t - first). A constant offset shifts all tags equally, so that t - first = (tag
+/// - first tag) / (1 + value).
 class GnssTagDrift final : public GnssEffect {
  public:
   explicit GnssTagDrift(double first_tag_s) : first_tag_s_(first_tag_s) {}

@@ -37,7 +37,7 @@ struct GnssData {
 /// and north is true north.
 struct GnssColumns {
   TextCoordinates position = {};
-  bool grid_north = false;  ///< velocities and sigmas refer to north and east of the UTC grid
+  bool grid_north = false;  ///< velocities and sigmas refer to north and east of the UTM grid
 };
 
 /// Reads a file of GNSS solutions and sorts them by time. Identical repeated rows are dropped and
@@ -60,8 +60,8 @@ struct GnssColumns {
 /// also convert seconds since 1980 to seconds of week.
 ///
 /// Throws InvalidInput with file:line for sigmas that are not positive, coordinates out of range,
-/// values that are not finite, a wrong number of columns, and times that do not increase.
-/// values that are not finite, wrong numbers of columns, times that do not increase.
+/// and values that are not finite. Also throws for a wrong number of columns, and for times that do
+/// not increase.
 GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s = 0.0,
                   const GnssColumns& columns = {});
 

@@ -21,7 +21,7 @@ namespace dn {
 /// attitude matter at the level of the noise.
 ///
 /// Accuracy for poses as dense as the samples: the error is that of assuming constant rate and
-/// specific force in body over one sample, 1e-5 m/s^2 at 100 Hz in a turn.
+/// specific force in body over one sample. It is 1e-5 m/s^2 at 100 Hz in a turn.
 ///
 /// motion: at least two poses with velocities, sorted by time. rate_hz must be positive. The
 /// samples begin at the first pose and end at most one sample before the last pose. Throws

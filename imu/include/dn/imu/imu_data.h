@@ -45,8 +45,8 @@ struct ImuReadOptions {
   double force_unit_mps2 = 1.0;
   /// Rotation from the axes of the file to body (forward-right-down).
   Eigen::Matrix3d R_imu_to_body = Eigen::Matrix3d::Identity();
-  double time_offset_s =
-      0.0;                    ///< error of the time tags, tag = t + time_offset_s; subtracted first
+  /// Error of the time tags, tag = t + time_offset_s; subtracted first.
+  double time_offset_s = 0.0;
   double t_begin_s = -1e300;  ///< rows outside [t_begin_s, t_end_s] are ignored
   double t_end_s = 1e300;
   /// A longer step between samples is a gap; a shorter hole is bridged. Absent: the limit of
@@ -60,10 +60,10 @@ struct ImuGap {
   double t_end_s = 0.0;
 };
 
-/// Hole that is too short to count as a gap. The sample after the hole also covers the hole,
-/// (t_begin_s, row.t_s - row.dt_s]. The rates in the hole are assumed to be the mean of both
-/// neighbouring samples. The errors are those of the same interpolation of known samples nearby, up
-/// to 64 on either side. The axis with the largest errors determines the sigma of all three.
+/// Hole that is too short to count as a gap. The hole is (t_begin_s, row.t_s - row.dt_s], and the
+/// sample after it also covers it. The rates in the hole are taken as the mean of both neighbouring
+/// samples. The errors are estimated by interpolating known samples nearby in the same way, up to
+/// 64 on either side. The axis with the largest errors determines the sigma of all three.
 struct ImuBridge {
   double t_begin_s = 0.0;
   ImuSample row;                 ///< the sample after the hole, over its own interval only

@@ -68,8 +68,8 @@ double Mps2FromMg(double mg);
 double MgFromMps2(double mps2);
 double MpsPerSqrtSFromMpsPerSqrtHour(double m_s_sqrt_h);
 double MpsPerSqrtSFromUgPerSqrtHz(double ug_sqrt_hz);
-/// These two convert random-walk densities: deg/h/sqrt(h) to rad/s/sqrt(s), and mg/sqrt(h) to
-/// m/s^2/sqrt(s).
+/// These two functions convert random-walk densities: deg/h/sqrt(h) to rad/s/sqrt(s), and
+/// mg/sqrt(h) to m/s^2/sqrt(s).
 double RadpsPerSqrtSFromDegPerHourPerSqrtHour(double deg_h_sqrt_h);
 double Mps2PerSqrtSFromMgPerSqrtHour(double mg_sqrt_h);
 

@@ -39,7 +39,7 @@ struct NoiseEvidence {
   std::array<double, kImuTriads> scale{};
   /// Additional white noise of both triads in one window at any time.
   double window = 0.0;
-  /// Both together: the noise outside the window has its own level.
+  /// White noise of another level during the whole flight, and additional noise in one window.
   double window_and_scale = 0.0;
   /// The levels of axes and octaves differ: the noise is not white, or not the same in all axes.
   std::array<double, kImuTriads> coloured{};
@@ -52,7 +52,7 @@ enum class NoiseHypothesis {
   kAssumed,         ///< the assumed noise
   kScale,           ///< white noise of another level in one triad or both
   kWindow,          ///< additional white noise in a window
-  kWindowAndScale,  ///< additional white noise in a window, and another level in general
+  kWindowAndScale,  ///< additional white noise in a window, and another level elsewhere
   /// Coloured or unsteady noise in one triad or both, from vibration or motion in this band.
   kNotWhite
 };

@@ -47,11 +47,11 @@ struct InertialIncrements {
 ///
 ///   delta_q(bg) = delta_q Exp(J_q_bg d_bg),  delta_v(bg, ba) = delta_v + J_v_bg d_bg + J_v_ba d_ba
 ///
-/// and in the same way for delta_p. Changes d_e of the values of the effects enter as those of the
-/// biases do, by the columns of J_effects (rows in the tangent order above). Neglected: a gyro
-/// effect that depends on specific force makes delta_q depend on the accelerometer bias. Source:
-/// Forster et al. 2017 (on-manifold preintegration), with coning and sculling terms of a rate and a
-/// specific force that are linear in time within each sample.
+/// and in the same way for delta_p. Changes d_e of the values of the effects enter in the same way,
+/// by the columns of J_effects (rows in the tangent order above). Neglected: a gyro effect that
+/// depends on specific force makes delta_q depend on the accelerometer bias. Source: Forster et al.
+/// 2017 (on-manifold preintegration), with coning and sculling terms of a rate and a specific force
+/// that are linear in time within each sample.
 struct Preintegrated : InertialIncrements {
   Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix3d J_q_bg = Eigen::Matrix3d::Zero();
@@ -75,7 +75,7 @@ struct PreintegrationNoise {
 };
 
 /// Integrates the samples over [t_begin_s, t_end_s]. The ends need not be sample epochs. Within a
-/// sample the rates are linear in time, with the mean of the sample and a slope from its two
+/// sample the rates are linear in time. They have the mean of the sample, and a slope from its two
 /// neighbours on either side in the file. Next to a gap and at the ends of the data the slope uses
 /// one neighbour, or one side only. Therefore the parts of an interval compose to the whole
 /// wherever it is split.
@@ -93,7 +93,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
 
 /// Computes the increments of Preintegrate from one beginning to several ends in increasing order.
 /// Every sample is integrated only once. `imu` and `noise` must outlive this object. Throws as
-/// Preintegrate.
+/// Preintegrate does.
 class IncrementalPreintegrator {
  public:
   IncrementalPreintegrator(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,

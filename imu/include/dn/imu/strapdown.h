@@ -20,15 +20,15 @@ namespace dn {
 ///   R_i dp = C rho_j - rho_i - (v_i + w x rho_i) dt                 - dt^2 (G_i/3 + C G_j/6)
 ///
 /// with C = Exp(w dt), G the gravitation at both ends (taken linear in time), and dR, dv, dp the
-/// increments of Preintegrate. This struct holds the parts of the right-hand sides that do not
+/// increments of Preintegrate. This struct contains the parts of the right-hand sides that do not
 /// depend on p and v. They are evaluated without cancellation of terms of the size of r0 (6.4e6 m):
 ///
 ///   C rho_j - rho_i - (w x rho_i) dt = C p_j - p_i - (w x p_i) dt + origin_position_m
 ///   C (w x rho_j) - w x rho_i        = C (w x p_j) - w x p_i      + origin_velocity_mps
 ///
-/// Accuracy: 1e-15 relative. Gravitation that is linear in time leaves errors of g (w dt)^2 / 12 =
-/// 4e-9 m/s^2, and of Gamma a dt^2 / 12 = 3e-7 m/s^2 per m/s^2 of acceleration a, both at dt = 1 s.
-/// Source: Brossard et al. 2021 (auxiliary velocity v + w x rho).
+/// Accuracy: 1e-15 relative. Gravitation that is linear in time leaves two errors. At dt = 1 s they
+/// are g (w dt)^2 / 12 = 4e-9 m/s^2, and Gamma a dt^2 / 12 = 3e-7 m/s^2 per m/s^2 of acceleration
+/// a. Source: Brossard et al. 2021 (auxiliary velocity v + w x rho).
 struct EarthStep {
   double dt_s = 0.0;
   /// Rotation from m axes at the end to m axes at the beginning.
@@ -46,9 +46,9 @@ Eigen::Matrix3d GravitationGradient(const LocalFrame& frame, const Eigen::Vector
 
 /// Computes pose and velocity at the end of increments that begin at `start`, from the equations of
 /// EarthStep. The gravitation at the end is that of a position predicted with the gravitation at
-/// the beginning (one iteration; the error is below 1e-6 m after 1 s at 100 m/s). start.t_s is not
-/// compared with the beginning of the increments; the result has the time of their end. added_mps2:
-/// gravitation in addition to the normal one, map axes.
+/// the beginning. The error of this one iteration is below 1e-6 m after 1 s at 100 m/s. start.t_s
+/// is not compared with the beginning of the increments; the result has the time of their end.
+/// added_mps2: gravitation in addition to the normal one, map axes.
 class Propagation {
  public:
   /// `frame` must outlive this object.

@@ -45,9 +45,9 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 ///
 /// time_offset_s: known error of the epochs (tag = t + time_offset_s), subtracted first.
 ///
-/// Throws InvalidInput with file:line if a time is not a second of week, a vector is shorter than 1
-/// mm or longer than 50 km, or a covariance is not positive definite. Throws InvalidInput also if a
-/// pattern matches no file or there are no pairs.
+/// Throws InvalidInput with file:line if a time is not a second of week, or a covariance is not
+/// positive definite. Also throws if a vector is shorter than 1 mm or longer than 50 km, a pattern
+/// matches no file, or there are no pairs.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns,
                    double time_offset_s = 0.0);
 

@@ -15,7 +15,7 @@ struct PointErrors {
   /// Covariance of the left perturbation, about b.
   Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();
   double sigma_range_m = 0.0;
-  /// Direction of the beam, about each of two axes perpendicular to it.
+  /// Sigma of the direction of the beam, about each of two axes perpendicular to the beam.
   double sigma_beam_rad = 0.0;
 };
 

@@ -26,7 +26,7 @@ class StripWriter {
   virtual ~StripWriter() = default;
 
   /// Appends points. A writer that a reader has made accepts only points of that reader, possibly
-  /// changed or reduced; a writer of a new file accepts any points. Throws InvalidInput with the
+  /// changed or reduced. A writer of a new file accepts any points. Throws InvalidInput with the
   /// point if a coordinate cannot be represented. Throws std::filesystem::filesystem_error if the
   /// file cannot be written.
   virtual void Append(const StripCloud& points) = 0;
@@ -81,8 +81,8 @@ class StripReader {
 ///
 /// Throws InvalidInput, with the file and the remedy, for LAZ and for any other extension. The
 /// reader throws it for a header that contradicts itself, its records or the file size, and for
-/// coordinates that are not in metres. It also throws it for a time that is not a second of week
-/// and for a laser vector shorter than 1 mm or longer than 50 km.
+/// coordinates that are not in metres. It also throws for a time that is not a second of week, and
+/// for a laser vector shorter than 1 mm or longer than 50 km.
 std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file);
 
 /// Coordinate grid of a new LAS file. Each coordinate is offset_m plus an integer multiple of

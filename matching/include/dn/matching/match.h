@@ -16,8 +16,8 @@ namespace dn {
 
 /// Options of the matching of strips.
 struct MatchOptions {
-  std::optional<double>
-      gsd_m;  ///< Ground sampling distance; absent: derived from the density of the points.
+  /// Ground sampling distance; absent: derived from the density of the points.
+  std::optional<double> gsd_m;
   /// Search radius for a flight: largest error of the initial boresight about each axis.
   double search_rad = 5.0 * 3.14159265358979323846 / 180.0;
   double search_m = 10.0;         ///< search radius for bare strips
@@ -97,7 +97,8 @@ struct MatchResult {
 ///
 /// The alignment of `source` is set to the result. The result is the same for any number of
 /// threads. Throws InvalidInput like MatchSource::Read, for fewer than two strips, and if no two
-/// strips overlap; InvalidConfig if gsd_m is below a tenth of the distance between the points.
+/// strips overlap. Throws InvalidConfig if gsd_m is below a tenth of the distance between the
+/// points.
 MatchResult MatchFlight(FlightMatchSource* source, const MatchOptions& options);
 
 /// Runs only the first of these stages: turns the boresight of `source` until the strips agree to

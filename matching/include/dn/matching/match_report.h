@@ -25,16 +25,16 @@ struct Misalignment {
 /// Returns the statistics of differences p_i - p_j in the map frame, m; at least one is needed.
 Misalignment ComputeMisalignment(const std::vector<Eigen::Vector3d>& differences_m);
 
-/// Returns the evenness of the pairs (Clark and Evans 1954): the mean distance to the nearest other
-/// pair, divided by that of as many random points in the area. It is 1 for random, below 1 for
-/// clustered, above 1 for even pairs, and 0 for fewer than two pairs.
+/// Returns the evenness of the pairs (Clark and Evans 1954). It is the mean distance to the nearest
+/// other pair, divided by that of as many random points in the area. It is 1 for random, below 1
+/// for clustered, above 1 for even pairs, and 0 for fewer than two pairs.
 double ComputeEvenness(const std::vector<MatchedPair>& pairs, double area_m2);
 
 /// Returns match.json: counts per stage, misalignment before and after, levels, strips.
 Json MatchJson(const std::string& name, const MatchResult& result, const MatchSource& source);
 
-/// Returns one line per pair: t_i, t_j, p_j (east, north, up), the difference p_i - p_j before and
-/// after, its sigmas, and the radius of the patches; m.
+/// Returns one line per pair, in s and m. A line has t_i, t_j, p_j (east, north, up), the
+/// difference p_i - p_j before and after, its sigmas, and the radius of the patches.
 std::string FormatMatches(const StripPairMatch& match);
 
 }  // namespace dn

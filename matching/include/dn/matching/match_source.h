@@ -17,7 +17,7 @@ namespace dn {
 /// Points of a strip in the form that a MatchSource stores; it computes positions from them.
 struct RawPoints {
   std::vector<double> t_s;
-  /// M; for a flight the laser vector, for bare strips the position.
+  /// Laser vector for a flight, position for bare strips, m.
   std::vector<Eigen::Vector3d> x;
 
   std::size_t size() const { return t_s.size(); }
@@ -39,7 +39,7 @@ struct MatchStrip {
 };
 
 /// Returns the strips in the files. If a file has points of two or more source ids, the files are
-/// tiles and each id is a strip; otherwise each file is a strip. Throws InvalidInput like
+/// tiles and each id is a strip. Otherwise each file is a strip. Throws InvalidInput like
 /// OpenStrip.
 std::vector<MatchStrip> FindMatchStrips(const std::vector<std::filesystem::path>& files);
 

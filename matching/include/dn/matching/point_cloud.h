@@ -27,8 +27,8 @@ struct LocalPlane {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   /// Root mean square distance to the plane, m.
   double rms_m = 0.0;
-  /// (l2 - l3) / l1 of the eigenvalues l1 >= l2 >= l3 of the neighbourhood's covariance: 1 on a
-  /// plane sampled evenly, 0 on a line or in a ball.
+  /// (l2 - l3) / l1 of the eigenvalues l1 >= l2 >= l3 of the neighbourhood's covariance. It is 1 on
+  /// a plane sampled evenly, 0 on a line or in a ball.
   double planarity = 0.0;
 };
 
@@ -36,8 +36,8 @@ struct LocalPlane {
 /// least squares in double precision. Fewer than three neighbours, or neighbours on a line, give no
 /// plane: normal zero, planarity 0.
 ///
-/// points_m: positions in any Cartesian frame, m, within 1e5 m of each other (the search is in
-/// single precision about their mean: a distance is good to 1e-7 of the extent). O(n log n).
+/// points_m: positions in any Cartesian frame, m, within 1e5 m of each other. The search is in
+/// single precision about their mean, so a distance is good to 1e-7 of the extent. O(n log n).
 ///
 /// Throws InvalidInput when radius_m is not positive and finite, a coordinate is not finite, or an
 /// index is out of range.

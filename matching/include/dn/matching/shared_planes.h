@@ -46,10 +46,10 @@ struct PlacedPlane {
 };
 
 /// Matches planes of strips with the alignment theta_rad. Planes of two strips match if each is the
-/// nearest of the other, their centroids are at most search_m apart and their normals differ by at
-/// most angle_rad. With search_m = 0 the limit is half the shorter of their long sides. Matches are
-/// joined over the strips, the nearest first, with at most one plane per strip. Returns, for each
-/// shared plane, its index in each strip; -1 for strips without it.
+/// nearest of the other. Their centroids must be at most search_m apart, and their normals must
+/// differ by at most angle_rad. With search_m = 0 the limit is half the shorter of their long
+/// sides. Matches are joined over the strips, the nearest first, with at most one plane per strip.
+/// Returns, for each shared plane, its index in each strip; -1 for strips without it.
 std::vector<std::vector<long>> MatchPlanes(const std::vector<std::vector<PlacedPlane>>& strips,
                                            const Eigen::Vector3d& lever_arm_b_m,
                                            const Eigen::Vector3d& theta_rad, double search_m,

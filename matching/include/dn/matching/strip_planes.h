@@ -18,7 +18,7 @@ struct StripPlaneOptions {
   /// their density.
   std::optional<double> gsd_m = {};
   /// Limit for the number of points of a strip in the overlaps. If there are more, squares of the
-  /// ground are left out evenly, so that memory and time do not depend on the size of the strip.
+  /// ground are left out evenly. Memory and time then do not depend on the size of the strip.
   std::size_t most_points = 3'000'000;
   /// Largest number per strip, evenly chosen from all its points.
   std::size_t most_points_of_plane = 150;

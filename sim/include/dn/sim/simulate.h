@@ -71,7 +71,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
 /// WriteClouds.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
 
-/// Adds the same files without those that contain the truth, reference.out and truth.yaml.
+/// Adds the files of WriteFlight except reference.out and truth.yaml, which contain the truth.
 void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory);
 
 /// Adds the point clouds, strips/<name>.las, and returns their counts; a flight without clouds adds

@@ -9,8 +9,9 @@
 
 namespace dn {
 
-/// Parameters of the outlier test of single rows (Baarda's data snooping): significance level
-/// `alpha`, and the `power` with which an error of minimal detectable bias is found.
+/// Parameters of the outlier test of single rows (Baarda's data snooping). `alpha` is the
+/// significance level, and `power` the probability of detecting an error of the minimal detectable
+/// bias.
 struct OutlierTest {
   double alpha = 0.001;
   double power = 0.8;
@@ -39,8 +40,8 @@ struct ChannelFit {
   double variance_ratio = 1.0;  ///< sum of squared residuals / redundancy
   double p_value = 1.0;         ///< two-sided p-value of variance_ratio against 1
   RowFit worst;  ///< row with the largest |w| among the rows that the fit does not absorb
-  double minimal_detectable =
-      0.0;  ///< median of OutlierTest::MinimalDetectableBias over the rows, sigmas
+  /// Median of OutlierTest::MinimalDetectableBias over the rows, sigmas.
+  double minimal_detectable = 0.0;
 };
 
 /// Result of testing whether the residuals of a network agree with its noise model.
@@ -66,8 +67,8 @@ struct FitCheck {
 /// Throws InvalidInput if the selected inverse of `marginals` has not been computed.
 FitCheck CheckFit(const Marginals& marginals, const OutlierTest& test = {});
 
-/// Returns the test of one channel. `redundancy` holds the redundancy number of every row of the
-/// network (RedundancyNumbers); `moments` are those of `form`.
+/// Returns the test of one channel. `redundancy` contains the redundancy number of every row of the
+/// network (RedundancyNumbers). `moments` are those of `form`.
 ChannelFit TestChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
                        const FormMoments& moments, const Eigen::VectorXd& redundancy,
                        const OutlierTest& test = {});

@@ -33,8 +33,8 @@ class LinearizedNetwork {
     FactorId factor = -1;
     int first = 0;
     int count = 0;
-    double weight =
-        1.0;  ///< rho' of its robust loss; r and J contain its square root, see ToRowScaling
+    /// rho' of its robust loss; r and J contain its square root, see ToRowScaling.
+    double weight = 1.0;
   };
 
   /// Identification of a row.
@@ -59,10 +59,10 @@ class LinearizedNetwork {
   /// Throws InvalidInput naming a factor that is undefined at the current values.
   explicit LinearizedNetwork(const Network& network, int threads = 1);
 
-  /// Returns the network with other noise: row i of r and J is multiplied by row_scale[i], which
+  /// Returns the network with other noise: row i of r and J is multiplied by row_scale[i]. This
   /// corresponds to multiplying its standard deviation by 1 / row_scale[i]. Robust weights keep the
-  /// values from the original noise. The result holds a second copy of r and J. Throws InvalidInput
-  /// for a wrong number of rows, or a scale that is not positive and finite.
+  /// values from the original noise. The result contains a second copy of r and J. Throws
+  /// InvalidInput for a wrong number of rows, or a scale that is not positive and finite.
   LinearizedNetwork Scaled(const Eigen::VectorXd& row_scale) const;
   /// Returns the product of all scales applied so far; ones if there were none.
   const Eigen::VectorXd& row_scale() const;
@@ -86,7 +86,7 @@ class LinearizedNetwork {
   Row RowAt(Eigen::Index row) const;
 
   /// Converts derivatives L of the whitened residual of an active factor (its rows x any number of
-  /// columns) to the scaling of r and J: multiplies them by the square root of the robust weight
+  /// columns) to the scaling of r and J. It multiplies them by the square root of the robust weight
   /// and by the row scale.
   Eigen::MatrixXd ToRowScaling(const FactorRows& rows, const Eigen::MatrixXd& L) const;
 

@@ -84,8 +84,8 @@ class Marginals {
   };
 
   /// Assembles and factors the normal matrix. Throws RankDeficient if the factors leave unknowns
-  /// undetermined. The message names the unknowns by the labels of their blocks, with their weights
-  /// in each free direction and the epochs, and says what would determine them. Throws
+  /// undetermined. The message names the unknowns by the labels of their blocks, with their epochs
+  /// and their weights in each free direction. It also says what would determine them. Throws
   /// InvalidConfig for bad options.
   explicit Marginals(const LinearizedNetwork& linearized, const MarginalsOptions& options = {});
   /// Linearises the network at its current values first. Also throws what LinearizedNetwork throws.

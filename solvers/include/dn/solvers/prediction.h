@@ -25,11 +25,11 @@ struct Prediction {
 /// selected inverse of `marginals` has not been computed, or if the factor is undefined.
 Prediction PredictFactor(const Marginals& marginals, FactorId factor);
 
-/// Returns the redundancy numbers of the rows of an active factor, diag(I - J C J^T): the expected
-/// variance of each whitened residual after the fit. They lie between 0 (the fit absorbs the
-/// residual) and 1 (the unknowns do not depend on it). Without a robust loss, a residual divided by
-/// the square root of its redundancy number is standard normal if the model holds (Baarda's w).
-/// Throws as PredictFactor does, and InvalidInput for a factor that is not active.
+/// Returns the redundancy numbers of the rows of an active factor, diag(I - J C J^T). They are the
+/// expected variances of its whitened residuals after the fit. They lie between 0 (the fit absorbs
+/// the residual) and 1 (the unknowns do not depend on it). Without a robust loss, a residual
+/// divided by the square root of its redundancy number is standard normal if the model holds
+/// (Baarda's w). Throws as PredictFactor does, and InvalidInput for a factor that is not active.
 Eigen::VectorXd RedundancyNumbers(const Marginals& marginals, FactorId factor);
 
 /// Returns the redundancy number of every row of the linearised network. Their sum is the number of

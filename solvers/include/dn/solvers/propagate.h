@@ -61,11 +61,11 @@ auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
 ///   const auto distance = Propagate(
 ///       marginals, [](const auto& p, const auto& q) { return (p - q).norm(); }, p_mb, q_mb);
 ///
-/// f takes the values of the blocks as the functions given to Network::Add do: a number, a vector,
-/// a quaternion, a pose or a user's own view. The coefficients are of a scalar type for automatic
-/// differentiation. f returns a number or a vector of fixed size of that type. State the return
-/// type: an `auto` return of an expression of local variables leaves dangling references. f is
-/// differentiated once, at the current values.
+/// f takes the values of the blocks in the same form as functions given to Network::Add. Each is a
+/// number, a vector, a quaternion, a pose or a user's own view. The coefficients are of a scalar
+/// type for automatic differentiation. f returns a number or a vector of fixed size of that type.
+/// State the return type: an `auto` return of an expression of local variables leaves dangling
+/// references. f is differentiated once, at the current values.
 template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   constexpr auto kAll = std::index_sequence_for<Kinds...>{};

@@ -44,8 +44,8 @@ struct FormMoments {
   double LowerTail(double energy) const;
 };
 
-/// Calls `use` for each of 32 samples M e of the residuals after the fit, e ~ N(0, I) with a fixed
-/// seed, M as in Marginals::Project.
+/// Calls `use` for each of 32 samples M e of the residuals after the fit. e ~ N(0, I) has a fixed
+/// seed, and M is that of Marginals::Project.
 void ForEachSampledResidual(
     const Marginals& marginals,
     const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);

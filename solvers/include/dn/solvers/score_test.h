@@ -52,8 +52,8 @@ struct JointScore {
   Eigen::VectorXd s;           ///< L^T r
   Eigen::MatrixXd A;           ///< L^T M L, M as in Marginals::Project
   Eigen::VectorXd signature2;  ///< diagonal of L^T L
-  /// N^-1 J^T L of the watched blocks, one below the other: the shift of these blocks per unit of a
-  /// component that is present in the data but not in the network.
+  /// N^-1 J^T L of the watched blocks, one below the other. It is the shift of these blocks per
+  /// unit of a component that is present in the data but not in the network.
   Eigen::MatrixXd shift;
 
   std::vector<Eigen::Index> Components(std::size_t effect) const;
@@ -67,8 +67,8 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<const EffectModel*>& effects,
                         const std::vector<BlockId>& watched);
 
-/// Returns the score test of components, or of linear combinations of components, with these s and
-/// A (as in JointScore) and the diagonal of their L^T L.
+/// Returns the score test of components, or of linear combinations of components. s and A are as in
+/// JointScore; signature2 is the diagonal of their L^T L.
 ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
                     const Eigen::VectorXd& signature2);
 
@@ -82,9 +82,9 @@ ScoreTest TestJointly(const JointScore& score, const std::vector<Eigen::Index>& 
 JointScore ConditionOnComponents(const JointScore& score,
                                  const std::vector<Eigen::Index>& components);
 
-/// Log Bayes factor of an effect: the likelihood of the residuals with the effect over that without
-/// it, averaged over the prior of the effect's size. With s and A of its components in units of
-/// their typical sizes, A = U diag(d) U^T, c = U^T s,
+/// Log Bayes factor of an effect. It is the log of the likelihood of the residuals with the effect
+/// over that without it, averaged over the prior of the effect's size. With s and A of its
+/// components in units of their typical sizes, A = U diag(d) U^T, c = U^T s,
 ///
 ///   log sum_g w_g exp( 1/2 sum_i [ v_g c_i^2 / (1 + v_g d_i) - ln(1 + v_g d_i) ] )
 ///

@@ -21,16 +21,16 @@ struct IterationProgress {
 };
 
 /// Options of Solve. With the defaults, iterations continue down to rounding error and converge
-/// from distant initial values: from both starts of every problem of the NIST reference data sets
-/// for non-linear regression.
+/// from distant initial values. They do so from both starts of every problem of the NIST reference
+/// data sets for non-linear regression.
 struct SolveOptions {
   int max_iterations = 1000;
   int threads = 1;  ///< for the evaluation of the factors and the factorisation
   double function_tolerance = 1e-15;
   double parameter_tolerance = 1e-12;
   double gradient_tolerance = 1e-15;
-  /// Also stops after an iteration that lowers the cost by less than half the square of this value:
-  /// the step was then shorter than this many standard deviations of all unknowns together. 0
+  /// Also stops after an iteration that lowers the cost by less than half the square of this value.
+  /// The step was then shorter than this many standard deviations of all unknowns together. 0
   /// disables the criterion.
   double sigma_tolerance = 0.0;
   /// Trust region of the first step, in units of the Jacobi-scaled unknowns. With good initial
@@ -38,8 +38,8 @@ struct SolveOptions {
   double initial_trust_region_radius = 1e4;
   /// Starts a network of 100 blocks or more with Gauss-Newton steps; if false, with damped steps.
   bool start_undamped = true;
-  /// Repeats a solution from the initial values with shorter steps if it ends on a plateau, where
-  /// an unknown has lost its influence on the residuals. The check costs two evaluations.
+  /// Repeats a solution from the initial values with shorter steps if it ends on a plateau. On a
+  /// plateau, an unknown has lost its influence on the residuals. The check costs two evaluations.
   bool second_attempt = true;
   /// If given, the elimination order and its analysis are shared with other solutions; see
   /// SharedAnalysis.
@@ -90,8 +90,8 @@ struct SolveReport {
 /// the start, Ceres takes Levenberg-Marquardt steps.
 ///
 /// Only active factors count; a block without an active factor keeps its value. If a network cannot
-/// be solved numerically, or ends on a plateau twice, the report says so (converged = false) and
-/// the network keeps its best values. A rank-deficient network may converge to any of its
+/// be solved numerically, or ends on a plateau twice, the report says so (converged = false). The
+/// network then keeps its best values. A rank-deficient network may converge to any of its
 /// solutions: see Marginals. Throws InvalidConfig for bad options, and InvalidInput naming the
 /// factor if a factor throws. Prints nothing.
 [[nodiscard]] SolveReport Solve(Network& network, const SolveOptions& options = {});

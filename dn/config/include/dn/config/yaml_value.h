@@ -119,8 +119,8 @@ YamlValue ParseYaml(const std::string& text, const std::string& file);
 
 /// Returns the YAML text with `value` (also YAML) set at a path of keys such as "plan.lines".
 /// Missing maps along the path are added; comments are lost. Throws InvalidConfig if either text is
-/// not YAML, if the path is longer than 200 characters, or if a key along the path holds something
-/// other than a map.
+/// not YAML or the path is longer than 200 characters. Also throws if a key along the path has a
+/// value other than a map.
 std::string WithYamlValue(const std::string& text, const std::string& path,
                           const std::string& value);
 

@@ -29,8 +29,8 @@ struct TextTable {
 /// starts a comment; blank lines are skipped; CRLF is accepted. Every row must have the same number
 /// of columns, which must be one of `allowed_columns` (empty: any). Rows after the first max_rows
 /// are not read. Throws InvalidInput naming file:line:column for a file that is missing, empty or
-/// not regular. Also throws for a value that is not a finite number, for semicolons and decimal
-/// commas, and for a wrong number of columns (naming the allowed numbers).
+/// not regular. Also throws for a value that is not a finite number, and for semicolons and decimal
+/// commas. For a wrong number of columns, the message names the allowed numbers.
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment = '#',
                         std::size_t max_rows = SIZE_MAX);
@@ -57,7 +57,7 @@ class TextTableReader {
 
 /// Makes a time column in GPS seconds of week continuous. A backward jump of a week, to within an
 /// hour, counts as a week rollover: 604800 s are added from there on. time_offset_s is first
-/// subtracted from column 0, which holds the time.
+/// subtracted from column 0, the time.
 ///
 /// `keep` receives the indices of the rows to keep; a row identical to the previous one is dropped.
 /// Returns the number of dropped rows. Throws InvalidInput naming the line for any other repeated

@@ -80,9 +80,9 @@ MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s);
 NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame);
 MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 
-/// Reads SBET (17 float64, little endian) if the extension is .out or .sbet, otherwise text: t and
-/// the given columns, by default those of ODyN: latitude, longitude [deg], height, quaternion w, x,
-/// y, z body -> NED. `columns` has no effect on SBET.
+/// Reads SBET (17 float64, little endian) if the extension is .out or .sbet, otherwise text. A row
+/// of text has t and the given columns, by default those of ODyN: latitude, longitude [deg],
+/// height, quaternion w, x, y, z body -> NED. `columns` has no effect on SBET.
 ///
 /// SBET headings are converted to true headings by subtracting the wander angle. The velocities of
 /// an SBET are used if they agree with the positions within 0.1 m/s under one of the usual sign
@@ -91,9 +91,9 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 /// and counted, and time is continued over week rollovers.
 ///
 /// Throws InvalidInput, naming file and line or record, for an incomplete last record, and for
-/// values that are not finite or out of range. It is also thrown for a quaternion whose norm
-/// differs from 1 by more than 1 %, and for times that do not increase. Throws InvalidConfig for an
-/// unknown coordinate system, or a map without its origin.
+/// values that are not finite or out of range. Also throws for a quaternion whose norm differs from
+/// 1 by more than 1 %, and for times that do not increase. Throws InvalidConfig for an unknown
+/// coordinate system, or a map without its origin.
 Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns = {});
 
 /// Reads times, positions and attitudes of an SBET file, for a picture, at epochs at least

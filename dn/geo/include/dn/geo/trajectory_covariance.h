@@ -16,13 +16,13 @@ struct TrajectoryCovariance {
   Eigen::MatrixXd covariance;
 };
 
-/// Returns the text of trajectory_covariance.txt, with one row for each pair of epochs t_j <= t_i:
-/// t_i, strip_i, t_j, strip_j, and the 36 elements of the covariance of pose i with pose j, row by
-/// row; m and deg.
+/// Returns the text of trajectory_covariance.txt, with one row for each pair of epochs t_j <= t_i.
+/// A row has t_i, strip_i, t_j, strip_j, and the 36 elements of the covariance of pose i with pose
+/// j, row by row; m and deg.
 std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance);
 
-/// Reads this text. Throws InvalidInput naming file and line for wrong columns, times, strips or
-/// variances, and for a missing row.
+/// Reads a file with the text of FormatTrajectoryCovariance. Throws InvalidInput naming file and
+/// line for wrong columns, times, strips or variances, and for a missing row.
 TrajectoryCovariance ReadTrajectoryCovariance(const std::filesystem::path& file);
 
 }  // namespace dn

@@ -14,7 +14,8 @@ struct Interval {
 /// Returns the probability that a chi-square variable with dof > 0 degrees of freedom is below x.
 double ChiSquareCdf(double x, double dof);
 
-/// Returns the probability that it exceeds x. Tiny probabilities also have full relative accuracy.
+/// Returns the probability that a chi-square variable exceeds x. Tiny probabilities also have full
+/// relative accuracy.
 double ChiSquareTail(double x, double dof);
 
 /// Returns the inverse of ChiSquareCdf for 0 < p < 1.
@@ -33,7 +34,7 @@ double NormalQuantile(double p);
 Interval BinomialInterval(double probability, long n, double p);
 
 /// Returns the p-value of the Kolmogorov-Smirnov test that the values are uniform on [0, 1]. Each
-/// value is a rank among `reference_size` other values, so it is known to one step of these.
+/// value is a rank among `reference_size` other values, so its resolution is one step of these.
 /// `values` must not be empty.
 double UniformityPValue(std::vector<double> values, double reference_size);
 

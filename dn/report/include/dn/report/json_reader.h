@@ -20,48 +20,48 @@ struct JsonLimits {
   std::size_t keys = 10'000;       ///< of one object
 };
 
-/// Parses a JSON text: the one way in which this project reads JSON. Throws InvalidInput with file,
-/// line and column for text that is not JSON. Throws it with file and JSON pointer (RFC 6901) for a
-/// text beyond `limits` and for a key that an object has twice.
+/// Parses a JSON text. All JSON that this project reads is parsed here. Throws InvalidInput with
+/// file, line and column for text that is not JSON. A text beyond `limits`, and a key that an
+/// object has twice, are reported with file and JSON pointer (RFC 6901).
 Json ParseJson(std::string_view text, const std::string& file, const JsonLimits& limits = {});
 
-/// Values in a JSON tree, itself included.
+/// Returns the number of values in a JSON tree, its root included.
 std::size_t CountValues(const Json& json);
 
-/// A key as a part of a JSON pointer.
+/// Returns a key in the form that it has in a JSON pointer.
 std::string EscapedKey(const std::string& key);
 
-/// A value in a JSON file whose readers expect a kind and a range. Every function throws
-/// InvalidInput that names the file, the place as a JSON pointer and what was expected. The JSON
-/// must outlive it.
+/// A value in a JSON file, with functions that check its type and range. They throw InvalidInput
+/// that names the file, the place as a JSON pointer, and what was expected. The JSON must outlive
+/// the object.
 class JsonPlace {
  public:
-  /// The root of a file; no file is named where `file` is empty.
+  /// Starts at the root of a file. Messages name no file if `file` is empty.
   // NOLINTNEXTLINE(google-explicit-constructor): a JSON value is the place of its root.
   JsonPlace(const Json& json, std::string file = "");
 
   bool is_null() const { return json_->is_null(); }
-  /// Whether this is an object that has a key.
+  /// Returns whether this is an object with the key.
   bool Has(const std::string& key) const;
   JsonPlace At(const std::string& key) const;
   JsonPlace At(std::size_t index) const;  ///< of a list
-  /// All elements of a list.
+  /// Returns the elements of a list of at most `most` elements.
   std::vector<JsonPlace> Elements(std::size_t most = 100'000) const;
 
   double Number(double least = std::numeric_limits<double>::lowest(),
                 double most = std::numeric_limits<double>::max()) const;
-  /// NaN for null, which JSON has in its place.
+  /// Returns a number, or NaN for null, which stands for NaN in JSON.
   double NumberOrNaN() const;
   std::int64_t Integer(std::int64_t least, std::int64_t most) const;
   std::uint64_t Unsigned() const;
   bool Flag() const;
   std::string Text(std::size_t max_bytes = 10'000) const;
   std::vector<std::string> Texts() const;
-  /// A list of three numbers, NaN for each null.
+  /// Returns a list of three numbers, with NaN for each null.
   Eigen::Vector3d Vector3() const;
-  /// The same without null.
+  /// Returns a list of three numbers; null is not allowed.
   Eigen::Vector3d FiniteVector3() const;
-  /// A list of three rows, each a list of three numbers. NaN for null.
+  /// Returns a list of three rows of three numbers, with NaN for each null.
   Eigen::Matrix3d Matrix3() const;
 
   const Json& json() const { return *json_; }

@@ -62,7 +62,7 @@ class NotConverged : public std::runtime_error {
 /// coordinates or time tags. The message ends with what to check.
 class SensorsContradict : public InvalidInput {
  public:
-  /// `finding`: what contradicts by how much; `remedy`: what to check.
+  /// `finding`: what contradicts, and by how much. `remedy`: what to check.
   SensorsContradict(const std::string& finding, const std::string& remedy,
                     const FileLocation& where)
       : InvalidInput(finding + remedy, where), finding_(finding) {}

@@ -28,8 +28,8 @@ struct CommonErrorCheck {
   double ratio = 1.0;    ///< that sum over its expectation
   double p_value = 1.0;  ///< of a ratio this large, one-sided
   double sigma = 0.0;    ///< size of the common error, in sigmas of one residual; 0 if none
-  double max_shift_sigmas =
-      0.0;  ///< largest shift of a watched unknown by such errors, in its sigmas
+  /// Largest shift of a watched unknown by such errors, in its sigmas.
+  double max_shift_sigmas = 0.0;
   /// Nats, for a common error of the likeliest size against no common error.
   double log_evidence = 0.0;
   bool explained = false;  ///< no longer significant if the found effects are estimated
@@ -76,8 +76,8 @@ struct UndetectableEffect {
   double minimal_detectable = 0.0;
   /// Shift of the boresight at the size `usual`.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
-  double max_shift_sigmas =
-      0.0;  ///< largest shift of a watched unknown at that size, in its sigmas
+  /// Largest shift of a watched unknown at that size, in its sigmas.
+  double max_shift_sigmas = 0.0;
 };
 
 /// A competing effect: it explains the data as well as an estimated unknown. If several do, it is

@@ -32,9 +32,9 @@ struct FilterSeparation {
   SeparationAt Max() const;  ///< maximum of the absolute values per axis; t_s is not set
 };
 
-FilterSeparation SeparateFilters(const Adjustment& adjustment);
 /// Runs the forward and the reverse filter over the data used by the adjustment, and returns their
 /// differences.
+FilterSeparation SeparateFilters(const Adjustment& adjustment);
 
 /// Returns {"epochs", "rms_enu_m", "max_enu_m", "rms_rph_deg", "max_rph_deg"}; null without epochs.
 Json SeparationJson(const FilterSeparation& separation);

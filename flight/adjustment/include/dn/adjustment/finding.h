@@ -14,8 +14,8 @@ namespace dn {
 /// conditions of each value.
 enum class Verdict {
   kCalibrated,  ///< the angles are those of the mounting, within their covariance
-  /// They contain an error of the trajectory or of the georeferencing of the strips: consistent,
-  /// but not those of the mounting.
+  /// The angles absorb an error of the trajectory or of the georeferencing of the strips. They make
+  /// the strips consistent, but are not those of the mounting.
   kAbsorbed,
   kNotObservable,  ///< the data do not determine the angles
   kContradicted,   ///< the data contradict the assumed model; overrides the others
@@ -97,8 +97,8 @@ struct GnssLeverArmOff {
 /// The GNSS time tags disagree with those of the inertial data.
 struct GnssTimeOff {
   ClockEstimate clock;
-  double max_shift_sigmas =
-      0.0;  ///< largest shift of a watched unknown by the clock error, in its sigmas
+  /// Largest shift of a watched unknown by the clock error, in its sigmas.
+  double max_shift_sigmas = 0.0;
   bool moves_boresight = false;  ///< otherwise the trajectory
 };
 

@@ -57,7 +57,7 @@ struct GaussHelmertCalibration {
   CorrelatedErrorCovariance scatter;
   TrajectoryAccuracy accuracy;
   /// Covariance of the attitude error that is constant over the flight, rad^2 in body. It is the
-  /// share of the trajectory's attitude covariance that does not vary according to the pairs.
+  /// part of the trajectory's attitude covariance that, according to the pairs, does not vary.
   Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
   PoseInterpolation interpolation;
   StripDiversity diversity;
@@ -116,9 +116,8 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 ///   calibrated      otherwise.
 ///
 /// Effects are tested jointly with time-correlated errors of the trajectory, of the stated size or
-/// larger. Effects that resemble such errors stay undetectable: late tags in quiet flight, a lever
-/// arm in strips at one height, a mount that moves, and an attitude error that is constant over the
-/// flight.
+/// larger. Effects that resemble such errors stay undetectable. They are late tags in quiet flight,
+/// a lever arm in strips at one height, a mount that moves, and a constant attitude error.
 ///
 /// Throws InvalidConfig if `estimate` does not name the boresight; InvalidInput, RankDeficient,
 /// NotConverged, Interrupted.
@@ -136,10 +135,10 @@ struct MethodDifference {
 };
 
 /// Compares the results of two methods. `b` must use all data of `a` and more, and be efficient if
-/// its model holds; the dynamic network is, because it uses all data at once. The error of `b` is
-/// then uncorrelated with the difference, whose covariance is C_a - C_b. In directions in which `a`
-/// is more accurate it is C_b - C_a. The variance in any direction is at least a tenth of the
-/// larger of the two, because the covariances themselves are not known better. Source: Hausman
+/// its model holds. The dynamic network is efficient because it uses all data at once. The error of
+/// `b` is then uncorrelated with the difference, whose covariance is C_a - C_b. In directions in
+/// which `a` is more accurate it is C_b - C_a. The variance in any direction is at least a tenth of
+/// the larger of the two, because the covariances themselves are not known better. Source: Hausman
 /// (1978), corollary 2.6.
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b);
 

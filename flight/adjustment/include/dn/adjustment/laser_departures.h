@@ -25,7 +25,8 @@ ScanAngleRange FindScanAngleRange(const LidarConfig& lidar, const std::vector<Pa
 /// (sensor axes, m). The discrepancies of this header are not effects of the table: they are tested
 /// to find unnamed causes, and are never corrected.
 UserEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range);
-/// The same over the scan angles of the network's pairs, or of the given pairs.
+/// These two functions return that discrepancy for the scan angles of the network's pairs, or of
+/// the given pairs.
 UserEffect LaserByScanAngle(const FlightNetwork& network);
 UserEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);
 

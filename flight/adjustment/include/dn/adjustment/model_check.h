@@ -10,7 +10,7 @@
 
 namespace dn {
 
-/// Result of the tests whether the data of an adjusted flight agree with the assumed model.
+/// Results of the tests of whether the data of an adjusted flight agree with the assumed model.
 struct ModelCheck {
   bool of_boresight = false;  ///< true: the watched unknowns are the boresight; otherwise poses
   std::vector<GroupCheck> groups;
@@ -25,7 +25,7 @@ struct ModelCheck {
   /// adjustment if it estimates them. Otherwise offset and drift are estimated jointly from the
   /// scores of their effects.
   Clocks clocks;
-  double gnss_clock_shift = 0.0;     ///< of Adjustment::gnss_clock, defined as EffectCheck::damage
+  double gnss_clock_shift = 0.0;     ///< of gnss_clock, like EffectCheck::max_shift_sigmas
   double sigma0_with_effects = 1.0;  ///< sigma0 if `effects` were estimated, first order
   double p_value = 1.0;              ///< smallest p-value of all tests, family-wise
   std::vector<Finding> findings;     ///< the contradicting ones first
@@ -68,8 +68,7 @@ struct ModelCheck {
 ///   - the configuration says that a diagnosis found an unmodelled discrepancy.
 ///
 /// `marginals` must be of the adjusted network, with its selected inverse. `trajectory` must be the
-/// result of ExtractTrajectory for both. CheckFit makes those of these tests that apply to any
-/// network.
+/// result of ExtractTrajectory for both. CheckFit makes the tests that apply to any network.
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads = 1);
 

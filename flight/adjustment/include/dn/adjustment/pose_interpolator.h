@@ -14,13 +14,13 @@ namespace dn {
 ///   q(t) = q_k Exp( sum_m l_m(t) Log(q_k^-1 q_m) ),      m = k-1, k, k+1, k+2,
 ///
 /// where l_m are the Lagrange polynomials on the four epochs. Rotation vectors have no singular
-/// attitude and no wrap of heading. A neighbour that is missing, or further away than three times
-/// the present step, is not used; the degree of the polynomial is then one or two lower.
+/// attitude and no wrap of heading. A neighbour is not used if it is missing or further away than
+/// three times the present step. The degree of the polynomial is then one or two lower.
 ///
-/// Error in attitude, for an oscillation of amplitude a and frequency f sampled at f_s, in the
-/// middle of a step: 0.0234 (2 pi f / f_s)^4 a, against 0.125 (2 pi f / f_s)^2 a of a linear
-/// interpolation. With 1 Hz of motion, at 10 Hz: 0.4 % of the amplitude instead of 5 %; at 200 Hz:
-/// 2e-8.
+/// An oscillation in attitude has amplitude a and frequency f and is sampled at f_s. The error in
+/// the middle of a step is then 0.0234 (2 pi f / f_s)^4 a. With a linear interpolation it is 0.125
+/// (2 pi f / f_s)^2 a. With 1 Hz of motion, at 10 Hz: 0.4 % of the amplitude instead of 5 %; at 200
+/// Hz: 2e-8.
 class PoseInterpolator {
  public:
   enum class Method {

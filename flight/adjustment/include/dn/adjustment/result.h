@@ -33,9 +33,9 @@ struct BiasEstimate {
 
 /// Correlation of the boresight (rows roll, pitch, yaw) with the total bias (columns x, y, z).
 struct BiasCorrelation {
-  Eigen::Matrix3d at_barycentre =
-      Eigen::Matrix3d::Zero();  ///< at the node nearest the mean lidar epoch
-  double max_abs = 0.0;         ///< over all nodes and axes
+  /// Correlation at the node nearest the mean lidar epoch.
+  Eigen::Matrix3d at_barycentre = Eigen::Matrix3d::Zero();
+  double max_abs = 0.0;  ///< over all nodes and axes
   double rms = 0.0;
 };
 
@@ -78,8 +78,8 @@ struct TrajectoryResult {
 
 /// The boresight with its posterior covariance and its verdict.
 struct BoresightResult {
-  Eigen::Vector3d angles_rad =
-      Eigen::Vector3d::Zero();  ///< rotation vector about the body axes, total
+  /// Rotation vector about the body axes, total.
+  Eigen::Vector3d angles_rad = Eigen::Vector3d::Zero();
   Eigen::Vector3d euler_zyx_rad = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw of Exp(angles)
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
   double condition_number = 0.0;  ///< of the reduced normal matrix

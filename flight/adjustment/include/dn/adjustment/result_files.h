@@ -68,9 +68,9 @@ std::string FormatTrajectorySigma(const std::vector<TrajectorySigma>& sigma);
 std::string FormatBiases(const std::vector<BiasEstimate>& biases);
 
 /// Returns the root mean squares, over the nodes, of the differences from the reference trajectory.
-/// They are position E, N, U in m; velocity in m/s (null if the reference has no velocities of its
-/// own); roll, pitch, heading in deg. Returns null if there is no reference or if it covers no
-/// node.
+/// They are position E, N, U in m, velocity in m/s, and roll, pitch, heading in deg. The velocity
+/// is null if the reference has no velocities of its own. Returns null if there is no reference or
+/// if it covers no node.
 Json ReferenceErrorsJson(const FlightNetwork& network);
 
 }  // namespace dn

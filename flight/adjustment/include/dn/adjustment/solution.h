@@ -38,13 +38,13 @@ class Solution {
   /// residuals.
   const TrajectoryResult& trajectory() const;
 
-  /// Returns the tests whether the data agree with the assumed model.
+  /// Returns the results of the tests of the assumed model.
   const ModelCheck& model_check() const;
 
   /// Returns the boresight with the verdict of its geometry. Throws RankDeficient if it is
   /// constant.
   BoresightResult Boresight() const;
-  /// Returns the same with the verdict and the findings of the model check (Assess).
+  /// Returns the boresight with the verdict and the findings of the model check (Assess).
   BoresightResult CheckedBoresight() const;
 
   /// Returns the other estimated unknowns.

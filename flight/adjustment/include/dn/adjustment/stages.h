@@ -26,8 +26,8 @@ class AdjustmentRun {
 
   /// Kind of inertial edges in the present network. Raw inertial data are used only at the end:
   /// preintegrated increments between fewer nodes are enough to reject outliers. They are used from
-  /// the start if the options have their own stages or customise_before_lidar: a second network
-  /// would not have the blocks and factors of the user.
+  /// the start if the options have their own stages or customise_before_lidar. A second network
+  /// would lack the user's blocks and factors.
   NetworkConfig::Inertial inertial() const { return inertial_; }
   void TakeRawInertial() { inertial_ = NetworkConfig::Inertial::kRaw; }
 
@@ -38,8 +38,8 @@ class AdjustmentRun {
   void Announce(const std::string& step) const;
 
   /// Convergence bounds for Solve: length of the last step, in standard deviations of all unknowns
-  /// together. They are for the final stage, for a stage whose result the next one refines, and for
-  /// a stage that only decides on rejections.
+  /// together. The first is for the final stage, the second for a stage whose result the next one
+  /// refines. The third is for a stage that only decides on rejections.
   static constexpr double kFinalSigmas = 1e-3;
   static constexpr double kStageSigmas = 0.1;
   static constexpr double kRoughSigmas = 1.0;
@@ -136,7 +136,7 @@ void RejectPairs(AdjustmentRun& run);
 /// already has these nodes.
 void UseInertialRate(AdjustmentRun& run);
 
-/// Call the user's functions if they are set.
+/// These two stages call the user's functions if they are set.
 void AddOwnBeforeLidar(AdjustmentRun& run);
 void AddOwnBeforeFinal(AdjustmentRun& run);
 

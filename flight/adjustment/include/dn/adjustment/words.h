@@ -14,7 +14,8 @@ const char* Word(Verdict verdict);
 /// Returns "consistent" or "contradicted", for a trajectory without boresight.
 const char* Word(const ModelCheck& check);
 
-/// Return one sentence per finding, without its full stop: what is wrong, how much, and what to do.
+/// These functions return one sentence per finding, without its full stop: what is wrong, by how
+/// much, and what to do.
 std::string Words(const Finding& finding);
 
 std::vector<std::string> Words(const std::vector<Finding>& findings);

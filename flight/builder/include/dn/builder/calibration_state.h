@@ -52,8 +52,9 @@ void ForEachEffect(const CalibrationState& state, const Visit& visit) {
   }
 }
 
-/// Return indices into CalibrationState::effects of the effects that act on one kind of factor. The
-/// order is that of the blocks of the factor; these blocks come after its other blocks.
+/// These functions return indices into CalibrationState::effects of the effects that act on one
+/// kind of factor. The order is that of the blocks of the factor; these blocks come after its other
+/// blocks.
 std::vector<std::size_t> InertialEffectIndices(
     const CalibrationState& state);  ///< effects on the IMU, then on gravitation
 std::vector<std::size_t> GnssEffectIndices(const CalibrationState& state);

@@ -71,7 +71,7 @@ struct FlightNetworkOptions {
   /// way to make the factor of a pair. Pairs are then built without IncrementConditioning and
   /// without the effects of `estimate`.
   std::function<PairModel(FlightNetwork&)> pair_model = {};
-  /// for the preintegration of inertial edges and pairs; results do not depend on it
+  /// Threads for the preintegration of inertial edges and pairs; results do not depend on it.
   int threads = 1;
 };
 
@@ -111,7 +111,8 @@ class FlightNetwork {
   /// Returns the present calibration values.
   CalibrationState Calibration() const;
 
-  /// Return the sum of the bias processes at t_s for each axis, rad/s and m/s^2.
+  /// These two functions return the sum of the bias processes at t_s for each axis, rad/s and
+  /// m/s^2.
   Eigen::Vector3d GyroBias(double t_s) const;
   Eigen::Vector3d AccelBias(double t_s) const;
 
@@ -153,16 +154,17 @@ class FlightNetwork {
                          blocks);
   }
 
-  /// Return the factor of an edge for another calibration at the present trajectory and biases. Its
-  /// blocks are those of the edge, then the effects of the calibration in the order of
-  /// InertialEffectIndices or GnssEffectIndices.
+  /// The functions below return the factor of an edge for another calibration at the present
+  /// trajectory and biases. Its blocks are those of the edge, then the effects of the calibration
+  /// in the order of InertialEffectIndices or GnssEffectIndices.
   struct InertialEdge;
   struct GnssEdge;
   struct PairEdge;
   std::shared_ptr<const PreintegratedInertial> InertialFactor(
       const InertialEdge& edge, const CalibrationState& calibration) const;
-  /// Returns the same factor with the increments that are in use. Only the derivatives with respect
-  /// to the effects are integrated, over the averaged samples `imu` (AverageSamples).
+  /// Returns the factor of InertialFactor without integrating the increments again: they are those
+  /// in use. Only their derivatives with respect to the effects are integrated, over the averaged
+  /// samples `imu` (AverageSamples).
   std::shared_ptr<const PreintegratedInertial> InertialFactorByMeans(
       const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const;
   std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,

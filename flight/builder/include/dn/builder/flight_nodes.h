@@ -19,16 +19,16 @@ TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
 std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
                               const CalibrationState& calibration = {});
 
-/// Returns the node rate within the strips for `node_rate_hz: auto`, Hz: the lowest rate of 1, 2,
+/// Returns the node rate within the strips for `node_rate_hz: auto`, Hz. It is the lowest of 1, 2,
 /// 5, 10 and 20 Hz at which the angle random walk of one interval is small. Without pairs the rate
 /// is 1 Hz.
 ///
 /// The random walk is conditioned on the rotation to the end of the interval
 /// (IncrementConditioning) and taken at the mean laser range. Its limit is a fraction of the
-/// variance of the mean of the pairs in the interval: a fiftieth at 1 and 2 Hz, a tenth from 5 Hz.
-/// The pairs of an interval share this noise, but the network treats it as independent. With these
-/// limits no sigma decreases by more than one percent. The strongest vibration of any strip is
-/// assumed for all strips.
+/// variance of the mean of the pairs in the interval. The fraction is a fiftieth at 1 and 2 Hz, and
+/// a tenth from 5 Hz. The pairs of an interval share this noise, but the network treats it as
+/// independent. With these limits no sigma decreases by more than one percent. The strongest
+/// vibration of any strip is assumed for all strips.
 double AutoNodeRateHz(const Flight& flight);
 
 /// Returns the node rate within strips, or without pairs over the whole span, Hz. It is that of the

@@ -20,7 +20,7 @@ class UnusableOutput : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Tells whether a results folder may hold a file of this name: FILE or FOLDER/FILE, relative,
+/// Returns whether a results folder may contain a file of this name: FILE or FOLDER/FILE, relative,
 /// without ".." and control characters, and not hidden.
 bool IsResultName(const std::string& name);
 
@@ -29,12 +29,12 @@ bool IsResultName(const std::string& name);
 ///
 /// Only one run may write at a time: the directory is locked as long as the object exists, if the
 /// file system supports locks. Files are staged in a subdirectory that only this user may enter and
-/// whose name is random. Staged files of a killed run, also half committed ones, are removed by the
-/// next run. A commit that was not begun in this directory is refused, never undone.
+/// whose name is random. The next run removes the staged files of a killed run, and undoes its
+/// half-finished commit. A journal of a commit that was not begun in this directory is refused.
 class OutputDirectory {
  public:
   /// Creates the directory if it does not exist. Throws UnusableOutput if another run has locked
-  /// it or if it contains the journal of a commit that no run has begun there,
+  /// it, or if it contains the journal of a commit that no run has begun there. Throws
   /// std::filesystem::filesystem_error if it cannot be created or written.
   explicit OutputDirectory(std::filesystem::path directory);
   ~OutputDirectory();

@@ -24,8 +24,8 @@ struct EffectTimes {
 /// Reads a time window [begin, end]. Throws InvalidConfig unless it begins before it ends.
 std::pair<double, double> ReadWindow(const YamlValue& value);
 
-/// Reads the keys `window_s` and `t0_s` of an effect. Throws InvalidConfig if a key that the effect
-/// needs is missing, if a key does not belong to the effect, or if a window ends before it begins.
+/// Reads the keys `window_s` and `t0_s` of an effect. Throws InvalidConfig if a required key is
+/// missing, if a key does not belong to the effect, or if a window ends before it begins.
 EffectTimes ReadEffectTimes(const YamlValue& entry, const EffectSpec& effect);
 
 /// Returns ", window_s: [begin, end]" or ", t0_s: start" in the form that ReadEffectTimes reads;

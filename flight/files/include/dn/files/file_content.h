@@ -29,8 +29,8 @@ struct FileContent {
   bool has_velocity = false;  ///< for kGnss: the file has velocities
   /// For text of kTrajectory. The zone of a grid cannot be determined; its crs is "utm:".
   std::optional<TrajectoryColumns> trajectory = {};
-  /// For text: offset of the time tags, tag = t + value, if they are seconds since 1980 or 1970
-  /// instead of GPS seconds of week.
+  /// For text: offset of the time tags, tag = t + value. It is not 0 if the tags are seconds since
+  /// 1980 or 1970 instead of GPS seconds of week.
   double time_offset_s = 0.0;
 };
 

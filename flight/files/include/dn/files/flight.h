@@ -33,7 +33,7 @@ struct Flight {
   LocalFrame frame{Geodetic{}};
   std::optional<ImuData> imu;
   std::optional<MapGnss> gnss;  ///< only epochs inside time_span_s
-  /// After the selection by lidar.pairs; without pairs outside time_span_s.
+  /// Pairs after the selection by lidar.pairs, without those outside time_span_s.
   std::optional<PairData> pairs;
   /// The strips found from all pairs before the selection (FindStrips).
   std::vector<StripInterval> pair_strips;
@@ -51,8 +51,8 @@ struct Flight {
 /// GNSS is not requested. If flight.yaml does not set the file names, trajectory.txt and
 /// lidar/*.txt are also accepted. A trajectory under its default name needs no section.
 ///
-/// Dropped and counted are GNSS epochs outside time_span_s or the IMU data, pairs outside
-/// time_span_s, and repeated pairs. So are GNSS epochs and pairs in gaps of the IMU data or the
+/// GNSS epochs outside time_span_s or the IMU data are dropped and counted. So are pairs outside
+/// time_span_s, repeated pairs, and GNSS epochs and pairs in gaps of the IMU data or the
 /// trajectory.
 ///
 /// Throws InvalidConfig if the folder, flight.yaml or a needed section is missing. Throws
@@ -81,9 +81,9 @@ Flight ReadFlight(const FlightConfig& config, const FlightNeeds& needs);
 std::vector<LidarPair> SelectPairs(const std::vector<LidarPair>& pairs,
                                    const PairSelection& selection);
 
-/// Returns the time intervals of the strips: those of the configuration, else clusters of the pair
-/// epochs, else straight legs of the trajectory of at least 10 s. Gaps of more than 5 s separate
-/// clusters, which include all pairs if ReadFlight read them.
+/// Returns the time intervals of the strips: those of the configuration, or else clusters of the
+/// pair epochs. Without both, they are the straight legs of the trajectory of at least 10 s. Gaps
+/// of more than 5 s separate clusters, which include all pairs if ReadFlight read them.
 std::vector<StripInterval> FindStrips(const Flight& flight);
 
 /// Returns the straight legs of a trajectory of at least 10 s.

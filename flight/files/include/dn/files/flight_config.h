@@ -131,11 +131,11 @@ TrajectoryColumns TextColumns(const FlightConfig& config);
 
 /// Reads and checks flight.yaml of a flight folder, or a file of that kind under another name. The
 /// data are in the folder of this file, or else in its `data_folder`. Throws InvalidConfig with
-/// file:line for a missing file, bad YAML, an unknown key (with the nearest known one), a value of
-/// the wrong type, shape or range, an unknown preset, and an entry of `estimate` that is not a
-/// fixed effect. A missing section is not an error here; the command that needs it reports it.
-/// `changes` are "key.of.keys=value" with a YAML value each, applied before reading. Throws
-/// InvalidConfig for a change without "=".
+/// file:line for a missing file, bad YAML, and an unknown key (with the nearest known one). Also
+/// throws for a value of the wrong type, shape or range, an unknown preset, and an entry of
+/// `estimate` that is not a fixed effect. A missing section is not an error here; the command that
+/// needs it reports it. `changes` are "key.of.keys=value" with a YAML value each, applied before
+/// reading. Throws InvalidConfig for a change without "=".
 FlightConfig ReadFlightConfig(const std::filesystem::path& folder_or_file,
                               const std::vector<std::string>& changes = {});
 
@@ -146,7 +146,7 @@ FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::p
 /// configuration. Body quantities are in FRD with `body: FRD`, like all results.
 std::string FormatFlightConfig(const FlightConfig& config);
 
-/// Returns the configuration as a file that commands accept in any folder: body quantities are in
+/// Returns the configuration as a file that commands accept in any folder. Body quantities are in
 /// the axes of the data files, and `data_folder` is set.
 std::string FormatFlightFile(const FlightConfig& config);
 

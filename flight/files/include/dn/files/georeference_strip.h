@@ -50,8 +50,8 @@ struct GeoreferencedStrip {
   std::uint64_t kept = 0;
   std::map<std::string, std::uint64_t> dropped;  ///< number of dropped points by reason
   VectorOrigin origin;                           ///< origin of the laser vectors
-  double t_begin_s = 0.0, t_end_s = 0.0;  ///< first and last time tag of all points
-  double shift_rms_m = 0.0;               ///< shift of the remaining points by the new coordinates
+  double t_begin_s = 0.0, t_end_s = 0.0;         ///< first and last time tag of all points
+  double shift_rms_m = 0.0;  ///< shift of the remaining points by the new coordinates
   double shift_max_m = 0.0;
   Swath swath;  ///< outline of the new points; the name is empty
 };
@@ -75,7 +75,7 @@ class StripGeoreferencer {
   /// may throw to stop the work; then there is no output file. The memory does not grow with the
   /// file.
   ///
-  /// Throws InvalidInput like OpenStrip, for a file without points or without GPS time, for
+  /// Throws InvalidInput like OpenStrip, and for a file without points or GPS time. Also throws for
   /// coordinates outside the coordinate system, and if no point remains (with both spans).
   GeoreferencedStrip Run(const std::filesystem::path& in, const std::filesystem::path& out,
                          const std::function<void(std::uint64_t)>& progress) const;

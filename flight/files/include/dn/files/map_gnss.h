@@ -14,10 +14,10 @@ namespace dn {
 struct MapGnssEpoch {
   double t_s = 0.0;                               ///< GPS seconds of week
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();  ///< antenna position, m
-  /// From east-north-up at the antenna to m.
+  /// Rotation from east-north-up at the antenna to m.
   Eigen::Matrix3d R_m_enu = Eigen::Matrix3d::Identity();
-  std::optional<Eigen::Matrix3d>
-      covariance_enu_m2;  ///< Covariance of the position; absent: the default of the flight.
+  /// Covariance of the position; absent: the default of the flight.
+  std::optional<Eigen::Matrix3d> covariance_enu_m2;
   std::optional<Eigen::Vector3d> velocity_enu_mps;
   std::optional<Eigen::Matrix3d> velocity_covariance_enu;  ///< (m/s)^2
   long line = 0;

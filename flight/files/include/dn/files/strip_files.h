@@ -12,11 +12,10 @@
 namespace dn {
 
 /// Returns the point clouds of a flight sorted by name: the .las, .laz and .txt files in the folder
-/// `strips` of its data. Circular links are left
-/// out. The list is empty if there is no such folder.
+/// `strips` of its data. Circular links are left out. The list is empty if there is no such folder.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
-/// Returns the same files; throws InvalidInput if there are none.
+/// Returns the files of FindStripFiles; throws InvalidInput if there are none.
 std::vector<std::filesystem::path> RequireStripFiles(const std::filesystem::path& flight_folder);
 
 /// Compares the coordinate system in the header of a strip with strips_crs of flight.yaml. Throws
@@ -27,20 +26,21 @@ std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
 
 /// The georeferencing that gave the points of strips their coordinates.
 struct StripGeoreferencing {
-  Mounting mounting;  ///< with the boresight that counts where nothing else is known
+  Mounting mounting;                            ///< its boresight is used if no other is known
   std::optional<Eigen::Vector3d> declared_rad;  ///< lidar.georeferenced_with of flight.yaml
 };
 
-/// That of a flight, which has a section `lidar`.
+/// Returns the georeferencing of the strips of a flight, which must have a section `lidar`.
 StripGeoreferencing StripsGeoreferencing(const FlightConfig& config);
 
-/// The origin of a strip's laser vectors: the file itself; else the boresight that it records; else
-/// the declared one; else that of the mounting. Throws InvalidConfig where record and declaration
-/// differ by more than 1e-6 deg.
+/// Returns the origin of a strip's laser vectors. It is the file itself, else the boresight that it
+/// records, else the declared one, else that of the mounting. Throws InvalidConfig if the recorded
+/// and the declared boresight differ by more than 1e-6 deg.
 VectorOrigin FindVectorOrigin(const StripReader& strip, const StripGeoreferencing& made_with,
                               const std::filesystem::path& file);
 
-/// A warning of computed laser vectors whose boresight is only assumed; empty for others.
+/// Returns a warning about computed laser vectors whose boresight is only assumed; empty for other
+/// vectors.
 std::string VectorWarning(const VectorOrigin& origin, const std::string& strip);
 
 }  // namespace dn

@@ -61,9 +61,9 @@ class StripSource {
   ~StripSource();
 
   /// Passes the points to `take` in chunks of at most 65536. Points without a pose are left out and
-  /// counted. `take` may throw to stop the reading. Throws InvalidInput like OpenStrip, for a file
-  /// without points or GPS time, for coordinates outside the coordinate system, and if no point
-  /// remains (with both spans).
+  /// counted. `take` may throw to stop the reading. Throws InvalidInput like OpenStrip, and for a
+  /// file without points or GPS time. Also throws for coordinates outside the coordinate system,
+  /// and if no point remains (with both spans).
   StripCounts Read(const std::filesystem::path& file,
                    const std::function<void(const LaserVectors&)>& take) const;
 

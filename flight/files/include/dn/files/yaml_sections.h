@@ -47,8 +47,8 @@ struct ScannerAxes {
 
 /// Reads `R_sensor_to_body`, `scan_axis` and `nadir_axis` of a section. body_is_flu: the body axes
 /// of the section are forward-left-up. Throws InvalidConfig for a matrix that is not a rotation,
-/// axes that are not unit vectors (to 1e-3) or not perpendicular (to half a degree), and a nadir
-/// axis above the horizon.
+/// and for a nadir axis above the horizon. Also throws for axes that are not unit vectors (to 1e-3)
+/// or not perpendicular (to half a degree).
 ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu);
 
 }  // namespace dn

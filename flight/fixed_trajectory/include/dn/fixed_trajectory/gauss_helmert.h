@@ -76,8 +76,9 @@ struct GaussHelmertOptions {
   void Validate() const;
 };
 
-/// Corrections of the twelve observations of a pair: position of i in map (m), attitude of i (right
-/// perturbation, rotation vector about the body axes, rad), position of j, attitude of j.
+/// Corrections of the twelve observations of a pair: position of i in map (m), attitude of i (rad),
+/// position of j, attitude of j. An attitude correction is a right perturbation, a rotation vector
+/// about the body axes.
 using PairCorrection = Eigen::Matrix<double, 12, 1>;
 
 /// Condition equations of one pair, linearised at the corrected observations.
@@ -139,8 +140,8 @@ struct GaussHelmertResult {
 ///   v = -P^-1 B^T S (A d theta + w~),
 ///
 /// so neither B nor P is formed as a whole: time and memory are linear in the number of pairs. P^-1
-/// holds the squares of sigma_ned_m and sigma_rph_rad, rotated into map and body axes. The twelve
-/// observations of a pair are treated as independent, even if two pairs share an epoch.
+/// contains the squares of sigma_ned_m and sigma_rph_rad, rotated into map and body axes. The
+/// twelve observations of a pair are treated as independent, even if two pairs share an epoch.
 ///
 /// N^-1 is the covariance only if the trajectory errors are white, that is, independent between
 /// epochs. Real trajectory errors are correlated in time: see trajectory_scatter.h.

@@ -32,7 +32,7 @@ struct PlaneProblem {
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< initial value
   /// Prior standard deviation; without a value the boresight is free.
   std::optional<Eigen::Vector3d> boresight_sigma_rad;
-  /// Estimate the range offset: measured range = true range + offset.
+  /// True: the range offset is estimated; measured range = true range + offset.
   bool with_range_offset = false;
   /// Prior standard deviation about zero; without a value the offset is free.
   std::optional<double> range_offset_sigma_m;

@@ -20,8 +20,8 @@ struct FilterState {
   MapPose pose;
   std::vector<Eigen::Vector3d> gyro_bias;   ///< per process, rad/s
   std::vector<Eigen::Vector3d> accel_bias;  ///< per process, m/s^2
-  std::vector<Eigen::Vector3d>
-      gnss_error;  ///< per process, in units of its sigmas, see CorrelatedGnssError
+  /// One value per process of GNSS errors, in units of its sigmas (see CorrelatedGnssError).
+  std::vector<Eigen::Vector3d> gnss_error;
   Eigen::MatrixXd covariance;
 
   Eigen::Vector3d TotalGyroBias() const;
@@ -56,9 +56,8 @@ struct FilterOptions {
 
 /// The states and innovations of a filtered flight.
 struct FilterRun {
-  std::vector<FilterState>
-      /// One per requested time, after the update with its measurements; the covariance is empty.
-      states;
+  /// One state per requested time, after the update with its measurements; the covariance is empty.
+  std::vector<FilterState> states;
   std::vector<Innovation> innovations;
   double log_likelihood = 0.0;  ///< up to a constant common to all initial states
   FilterState last;             ///< the last state, with its covariance
@@ -74,7 +73,7 @@ FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& time
                            const FilterState& start, const FilterOptions& options = {});
 
 /// Returns the filter state at a pose. The processes have the prior covariance of the IMU and GNSS
-/// models; attitude (rad, about body x, y, z), position and velocity have the given sigmas.
+/// models. Attitude (rad, about body x, y, z), position and velocity have the given sigmas.
 FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
                             const Eigen::Vector3d& gyro_bias_radps,
                             const Eigen::Vector3d& accel_bias_mps2,

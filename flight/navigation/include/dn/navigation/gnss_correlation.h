@@ -25,9 +25,9 @@ struct GnssCorrelation {
 };
 
 /// Tests for a Gauss-Markov process on each axis with score tests. The correlation times tau go
-/// from two epochs to a fifth of the flight. Let y = L^T r be the derivative of the whitened
-/// residuals with respect to an error along the axis, and K(tau) the correlation matrix of the
-/// process at the epochs. The statistic
+/// from two epochs to a fifth of the flight. Let y = L^T r, where L is the derivative of the
+/// whitened residuals r with respect to an error along the axis. Let K(tau) be the correlation
+/// matrix of the process at the epochs. The statistic
 ///
 ///   T = y^T K y / E[y^T K y] / (y^T y / E[y^T y])
 ///

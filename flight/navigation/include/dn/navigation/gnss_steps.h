@@ -19,8 +19,8 @@ struct GnssJump {
 };
 
 /// Returns the most significant common offset of a run of active GNSS positions, from score tests.
-/// The candidates are runs that begin and end at positions in `ends` (those that contradict the
-/// others most); their ends are then moved to the best place. Returns nullopt unless the test is
+/// The candidates are runs that begin and end at positions in `ends`, those that contradict the
+/// others most. Their ends are then moved to the best place. Returns nullopt unless the test is
 /// decisive and the offset exceeds four sigmas of a single epoch. A smaller offset may be slow GNSS
 /// drift, which does not justify leaving out the epochs. `noise_ratio`: as for
 /// GnssScreening::Apply.
@@ -44,11 +44,11 @@ struct GnssMisfit {
 /// or nullopt if no test is decisive.
 ///
 /// If several causes are decisive, the result is the one with the largest statistic. A step of the
-/// clock is considered only if offset and drift are not significant. A lever arm and a step must
-/// explain at least half of the excess of the squared residuals and move a GNSS epoch by more than
-/// four sigmas. A smaller effect may be part of slow GNSS drift. An offset with a drift need not
-/// fulfil this: estimating them does no harm, and other causes are then judged better. Causes that
-/// are already estimated are not tested.
+/// clock is considered only if offset and drift are not significant. A lever arm or a step must
+/// explain at least half of the excess of the squared residuals. It must also move a GNSS epoch by
+/// more than four sigmas. A smaller effect may be part of slow GNSS drift. An offset with a drift
+/// need not fulfil this: estimating them does no harm, and other causes are then judged better.
+/// Causes that are already estimated are not tested.
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
                                             const Marginals& marginals);
 

@@ -11,8 +11,8 @@ namespace dn {
 /// Norm of a standardised 3-vector that a good measurement exceeds with the probability of five
 /// sigmas of a normal variable, 1 in 1.7 million.
 constexpr double kOutlierNorm = 5.6;
-/// The same bound for correspondences. A flight has many of them, so that the probability is that
-/// of four sigmas of a normal variable, 6.3e-5.
+/// Like kOutlierNorm, but for point pairs. A flight has so many pairs that it can lose a share of
+/// 6.3e-5 of the good ones (four sigmas of a normal variable).
 constexpr double kOutlierPairNorm = 4.68;
 
 /// Returns the variance of whitened 3-vectors from the median of their squared norms, at least 1.

@@ -25,8 +25,8 @@ struct BodyDirections {
 
 /// Determines the mean directions of gravity and course in body axes. The attitude is determined
 /// again every half minute by in-flight alignment. The result therefore does not depend on an
-/// initial value, and common gyro biases do not matter (1000 deg/h turns it by 8 deg). The result
-/// has no course if GNSS is absent.
+/// initial value. Common gyro biases do not matter: 1000 deg/h turns the result by 8 deg. The
+/// result has no course if GNSS is absent.
 BodyDirections FindBodyDirections(const Flight& flight, int threads = 1);
 
 /// The nearest of the 24 possible orientations of an instrument with parallel axes, and the
@@ -46,8 +46,9 @@ AxesFit FitAxes(const BodyDirections& directions);
 struct AxesMistake {
   enum class Sensor { kGyro, kAccel, kBoth };
   Sensor sensor = Sensor::kGyro;
-  /// Matrix from the declared to the right data: one sign, an exchange of two axes, or all signs;
-  /// for gyros also 180/pi or pi/180 (rad/s declared as deg/s, and the reverse).
+  /// Matrix from the declared to the right data. It changes one sign, exchanges two axes, or
+  /// changes all signs. For gyros it may also be a factor of 180/pi or pi/180 (rad/s declared as
+  /// deg/s, and the reverse).
   Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
 };
 

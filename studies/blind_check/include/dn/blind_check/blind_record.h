@@ -86,13 +86,13 @@ BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json);
 BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
                                            const Eigen::Vector3d& true_boresight_deg);
 
-/// Convert a record to JSON and back without any loss of digits. BlindRecordFromJson throws
-/// InvalidInput if the value is not a record or is out of range.
+/// These two functions convert a record to JSON and back without any loss of digits.
+/// BlindRecordFromJson throws InvalidInput if the value is not a record or is out of range.
 Json ToJson(const BlindRecord& record);
 BlindRecord BlindRecordFromJson(const JsonPlace& json);
 
-/// Convert a content to its word in the records and back. RecordContent throws InvalidInput for an
-/// unknown word.
+/// These two functions convert a content to its word in the records and back. RecordContent throws
+/// InvalidInput for an unknown word.
 const char* Word(BlindContent content);
 BlindContent RecordContent(const std::string& word);
 

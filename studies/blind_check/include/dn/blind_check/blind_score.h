@@ -64,7 +64,7 @@ struct UnlistedEffectScore {
 
 /// Scores of the flights with an effect that the diagnosis does not have, in a class of the
 /// unexplained signature. If little of the signature stays unexplained, the best possible diagnosis
-/// is the most similar effect of the table.
+/// names the most similar effect of the table.
 struct SignatureScore {
   double from_sigmas = 0.0;  ///< lower limit of sqrt(BlindSignature::lambda_left)
   Share detected;

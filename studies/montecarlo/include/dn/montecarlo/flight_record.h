@@ -60,8 +60,8 @@ struct FlightRecordOptions {
 FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
                        const FlightRecordOptions& options);
 
-/// Convert a record to JSON and back without any loss of digits. The latter throws InvalidInput if
-/// the value is not a record or is out of range.
+/// These two functions convert a record to JSON and back without any loss of digits.
+/// FlightRecordFromJson throws InvalidInput if the value is not a record or is out of range.
 Json ToJson(const FlightRecord& record);
 FlightRecord FlightRecordFromJson(const JsonPlace& json);
 

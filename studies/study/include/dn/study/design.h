@@ -47,8 +47,9 @@ std::vector<EstimateEntry> ParseEstimate(const std::string& list);
 StudyDesign MakeDesign(const Scenario& scenario, const DesignOptions& options = {});
 
 /// Returns a flight on its trajectory, else on its initial guess, else on the INS/GNSS solution of
-/// its data. A flight without inertial data is a plan on one of the former two. Its inertial data
-/// are then planned at 100 Hz, and GNSS epochs at 1 Hz if it has a section `gnss` and no epochs.
+/// its data. A flight without inertial data is a plan on its trajectory or its initial guess. Its
+/// inertial data are then planned at 100 Hz, and GNSS epochs at 1 Hz if it has a section `gnss` and
+/// no epochs.
 ///
 /// Throws RankDeficient for a flight without pairs. Throws InvalidInput if the states have no
 /// source or if there is no section `imu`, and InvalidConfig if `estimate` is invalid.

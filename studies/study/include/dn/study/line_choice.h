@@ -78,8 +78,8 @@ Json ToJson(const LineCandidates& candidates, const LineSearch& search);
 /// Returns a table with the best choice for each number of lines, and the lines to fly.
 std::string LineSearchSummary(const LineCandidates& candidates, const LineSearch& search);
 
-/// Returns the angles that miss the target with all lines, and by how much; if they are singular,
-/// the reason.
+/// Returns the angles that miss the target even with all lines, and by how much. If the flight with
+/// all lines is singular, returns the reason.
 std::string MissedTarget(const LineCandidates& candidates, const LineSearch& search);
 
 /// Returns designs.csv with a row for each choice studied.

@@ -111,7 +111,7 @@ struct StudyOptions {
 /// an unknown.
 StudyResult Study(const Scenario& scenario, const StudyOptions& options = {});
 
-/// Returns the same for a flight; no remedies are tried.
+/// Returns the covariances of a flight; no remedies are tried.
 StudyResult Study(Flight flight, const StudyOptions& options = {});
 
 /// Returns the network of a design, linearised at its states, with its covariances. The design must

@@ -77,8 +77,8 @@ struct SweepRecord {
 SweepRecord StudySweepDesign(const Sweep& sweep, std::uint64_t number,
                              const DesignOptions& options);
 
-/// Converts a record to JSON and back; doubles stay unchanged. The latter throws InvalidInput if the
-/// value is not a record or is out of range.
+/// These two functions convert a record to JSON and back; doubles stay unchanged.
+/// SweepRecordFromJson throws InvalidInput if the value is not a record or is out of range.
 Json ToJson(const SweepRecord& record);
 SweepRecord SweepRecordFromJson(const JsonPlace& json);
 
@@ -91,7 +91,7 @@ std::string SweepCsv(const std::vector<std::string>& paths,
 /// `sigma_deg`.
 Json SweepJson(const std::vector<std::string>& paths, const std::vector<SweepRecord>& records);
 
-/// Returns the same as a table for people.
+/// Returns the contents of sweep.json as a text table.
 std::string SweepTable(const std::vector<std::string>& paths,
                        const std::vector<SweepRecord>& records);
 
