@@ -101,7 +101,7 @@ std::string Count(std::size_t n, const std::string& noun) {
 
 std::string GapsText(const ImuData& imu) {
   std::string text = imu.gaps.empty() ? "no gap" : Count(imu.gaps.size(), "gap");
-  if (!imu.bridges.empty()) text += ", " + Count(imu.bridges.size(), "hole") + " bridged";
+  if (!imu.bridges.empty()) text += ", " + Count(imu.bridges.size(), "short gap") + " interpolated";
   return text;
 }
 

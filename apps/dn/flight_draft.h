@@ -47,7 +47,7 @@ class FlightDraft {
   std::filesystem::path folder_;
   std::optional<FileContent> imu_, gnss_, trajectory_, smrmsg_;
   std::vector<FileContent> pairs_;
-  /// Strips that neither hold laser vectors nor record the boresight of their points.
+  /// Strips that neither contain laser vectors nor record the boresight of their points.
   std::size_t strips_without_vectors_ = 0;
   std::vector<std::string> found_, notes_, axes_notes_;
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();

@@ -110,7 +110,7 @@ void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run
                    : "the result is not_observable: its data do not determine all of its angles";
   const FileLocation where{given.result};
   if (!given.anyway) {
-    throw InvalidInput(what + "; mend the calibration, or add --anyway", where);
+    throw InvalidInput(what + "; correct the calibration, or add --anyway", where);
   }
   run.progress.Warn(fmt::format("{} ({}); used because of --anyway", what, given.result));
 }

@@ -26,7 +26,8 @@ Series ReadSeries(const fs::path& folder) {
   const JsonPlace place(report, file.string());
   if (!place.Has("series")) {
     throw InvalidInput(
-        "it tells of no finished run of dn monte-carlo, dn blind-check or dn study --sweep",
+        "it is not the report of a finished run of dn monte-carlo, dn blind-check or dn study "
+        "--sweep",
         {file.string()});
   }
   return SeriesFromJson(place.At("series"));

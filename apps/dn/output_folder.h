@@ -34,7 +34,7 @@ std::vector<std::string> EarlierResults(const std::filesystem::path& out);
 /// that makes flights may replace a flight folder that such a command made.
 void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool writes_flight);
 
-/// Throws UnusableOutput where a file or a link stands in the place of a folder of the results.
+/// Throws UnusableOutput if a file or a link has the name of a folder of the results.
 void ExpectRealFolder(const std::filesystem::path& folder);
 
 }  // namespace dn::apps

@@ -59,7 +59,7 @@ class RecordFolder {
   /// Reads from which scenario and options the records of a folder were made. Throws InvalidInput
   /// if the folder does not state it.
   static Json MadeFrom(const std::filesystem::path& folder);
-  /// The hash that the records made from it hold.
+  /// The hash in the records made from it.
   static std::string MadeFromHash(const Json& made_from);
 
  private:

@@ -60,7 +60,7 @@ void CheckCoordinates(const Header& header, const FileLocation& where) {
   if (header.Has({"latitude", "longitude", "height"})) return;
   if (header.Has({"x-ecef", "y-ecef", "z-ecef"})) return;
   throw InvalidInput(
-      "columns hold neither latitude, longitude, height nor x, y, z-ecef; write the solution with "
+      "columns are neither latitude, longitude, height nor x, y, z-ecef; write the solution with "
       "out-solformat llh or xyz",
       where);
 }
@@ -152,8 +152,8 @@ double ParseDms(const std::string_view* parts, const FileLocation& where) {
   return parts[0].starts_with('-') ? -angle_deg : angle_deg;
 }
 
-/// Collects the rows of a .pos file in a table. Column 0 holds the time in seconds from the start
-/// of the first row's week; the header's columns follow.
+/// Collects the rows of a .pos file in a table. Column 0 is the time in seconds from the start of
+/// the first row's week; the header's columns follow.
 class PosParser {
  public:
   explicit PosParser(const std::filesystem::path& file) { table_.file = file; }

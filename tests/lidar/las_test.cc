@@ -276,7 +276,7 @@ TEST(Las, TheBoresightOfThePointsIsARecord) {
   las.vlrs.push_back({"dn", 1, BoresightContent(deg)});
   EXPECT_EQ(ReadWholeFile(written.path()).size(), las.Build().size());
 
-  // Another one takes its place, also beside a covariance.
+  // Another one takes its place, also next to a covariance.
   const TempFile again("again.las", WrittenAgain(written, true, {}, Vector3d(2.0 * rad)));
   EXPECT_LT((*OpenStrip(again.path())->boresight_rad() - 2.0 * rad).norm(), 1e-15);
   EXPECT_EQ(ReadAll(again.path()).record_bytes, 30u + 24u);
@@ -385,7 +385,7 @@ TEST(LasHeader, ReportsFalseStatementsOfVersionFour) {
   with(end + 20, ~std::uint64_t{0}, "extended record 1 of 1");
   with(247, ~std::uint64_t{0}, "points of 30 bytes from byte");
   with(375 + 22, 1e10, "GPS time 1e+10 of point 1");
-  with(375 + 30 + 22, 1e9, "more than a week from that of the first point");
+  with(375 + 30 + 22, 1e9, "lies outside the week of the first point");
   LasBytes waveforms = ThreePoints();
   waveforms.minor = 3;
   waveforms.format = 4;

@@ -62,7 +62,7 @@ std::string Shown(const std::string& text) {
 
 }  // namespace
 
-/// Holds the yaml-cpp node; the default is an undefined node, which stands for an absent value.
+/// Contains the yaml-cpp node; the default is an undefined node, which means an absent value.
 struct YamlValue::Node {
   YAML::Node yaml{YAML::NodeType::Undefined};
 };

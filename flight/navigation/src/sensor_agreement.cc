@@ -117,7 +117,7 @@ std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& l
   return n < 3.0 ? std::nullopt : std::optional(sum / n);
 }
 
-/// All that are told apart.
+/// Returns all mistakes that the comparison can distinguish.
 std::vector<AxesMistake> AllAxesMistakes() {
   using Sensor = AxesMistake::Sensor;
   std::vector<AxesMistake> mistakes{{Sensor::kBoth, -Eigen::Matrix3d::Identity()},

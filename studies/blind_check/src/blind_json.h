@@ -14,12 +14,12 @@ inline std::optional<double> OptionalNumber(const JsonPlace& json) {
   return json.is_null() ? std::nullopt : std::optional(json.Number());
 }
 
-/// A name that tables and lists separated by commas can hold.
+/// A name that can be an entry of a table or a comma-separated list.
 inline std::string WordFromJson(const JsonPlace& json) {
   constexpr std::size_t kLongest = 200;
   std::string word = json.Text(kLongest);
   if (HasControls(word) || word.find_first_of(",\"") != std::string::npos)
-    json.Fail("is not a name");
+    json.Fail("must not contain commas, quotes or control characters");
   return word;
 }
 
@@ -29,7 +29,7 @@ inline std::vector<std::string> WordsFromJson(const JsonPlace& json) {
   return words;
 }
 
-/// Numbers of a list; null stands for an empty one.
+/// Numbers of a list; null means an empty list.
 inline std::vector<double> NumbersFromJson(const JsonPlace& json) {
   std::vector<double> numbers;
   if (json.is_null()) return numbers;

@@ -20,7 +20,7 @@ namespace dn {
 ///   R_i dp = C rho_j - rho_i - (v_i + w x rho_i) dt                 - dt^2 (G_i/3 + C G_j/6)
 ///
 /// with C = Exp(w dt), G the gravitation at both ends (taken linear in time), and dR, dv, dp the
-/// increments of Preintegrate. This struct holds the parts of the right-hand sides that do not
+/// increments of Preintegrate. This struct contains the parts of the right-hand sides that do not
 /// depend on p and v. They are evaluated without cancellation of terms of the size of r0 (6.4e6 m):
 ///
 ///   C rho_j - rho_i - (w x rho_i) dt = C p_j - p_i - (w x p_i) dt + origin_position_m

@@ -11,7 +11,7 @@ namespace dn {
 struct VectorOrigin {
   /// From the most to the least reliable.
   enum class Kind {
-    kMeasured,  ///< the file holds them
+    kMeasured,  ///< the file contains them
     kRecorded,  ///< computed from coordinates, with the boresight that the strip records
     kDeclared,  ///< the same with the boresight that flight.yaml declares for the strips
     kAssumed,   ///< the same with the initial boresight: nothing says that the strips were made so

@@ -57,7 +57,7 @@ class TextTableReader {
 
 /// Makes a time column in GPS seconds of week continuous. A backward jump of a week, to within an
 /// hour, counts as a week rollover: 604800 s are added from there on. time_offset_s is first
-/// subtracted from column 0, which holds the time.
+/// subtracted from column 0, which contains the time.
 ///
 /// `keep` receives the indices of the rows to keep; a row identical to the previous one is dropped.
 /// Returns the number of dropped rows. Throws InvalidInput naming the line for any other repeated

@@ -20,7 +20,7 @@ class UnusableOutput : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Tells whether a results folder may hold a file of this name: FILE or FOLDER/FILE, relative,
+/// Returns whether a results folder may contain a file of this name: FILE or FOLDER/FILE, relative,
 /// without ".." and control characters, and not hidden.
 bool IsResultName(const std::string& name);
 

@@ -77,8 +77,8 @@ struct SweepRecord {
 SweepRecord StudySweepDesign(const Sweep& sweep, std::uint64_t number,
                              const DesignOptions& options);
 
-/// Converts a record to JSON and back; doubles stay unchanged. The latter throws InvalidInput if the
-/// value is not a record or is out of range.
+/// Converts a record to JSON and back; doubles stay unchanged. SweepRecordFromJson throws
+/// InvalidInput if the value is not a record or is out of range.
 Json ToJson(const SweepRecord& record);
 SweepRecord SweepRecordFromJson(const JsonPlace& json);
 
