@@ -89,8 +89,8 @@ Section Causes(const Facts& gap) {
        "size"},
       {},
       "Best explanation first. Shift: change of the boresight if the effect is present and not "
-      "modelled. Share absorbed: the part that trajectory, biases and boresight follow. It does "
-      "not show in residuals."};
+      "modelled. Share absorbed: the part that trajectory, biases and boresight absorb. It is "
+      "not visible in the residuals."};
   for (const Facts& cause : gap["causes"].elements()) {
     const std::string name = cause["effect"].text();
     if (chart.bars.size() < kMaxCauses) {

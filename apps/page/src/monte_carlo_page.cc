@@ -82,7 +82,7 @@ Section Trajectory(const ResultFolder& folder, const Facts& summary) {
       "",
       {"", "NEES per degree of freedom", "share of epochs outside", "above", "rms [sigma]", "", ""},
       {},
-      "If the covariances are right, 1 % of the epochs lie outside on average."};
+      "If the covariances are correct, 1 % of the epochs lie outside on average."};
   for (const Facts& one : quantities) {
     std::vector<Cell> row{Text(one["quantity"].text()), one["nees_per_dof"].Decimals(3),
                           one["share_of_epochs_outside"].Decimals(3),

@@ -148,8 +148,9 @@ std::string Say(const facts::VectorsAssumed& fact) {
 
 std::string Say(const facts::GapUnexplained& fact) {
   return fmt::format(
-      "a diagnosis of the flight found what its configuration does not model: {} (key unexplained "
-      "of flight.yaml): model it, diagnose the flight again, then remove that key",
+      "a diagnosis of the flight found a discrepancy that its configuration does not model: {} "
+      "(key "
+      "unexplained of flight.yaml): model it, diagnose the flight again, then remove that key",
       fact.what);
 }
 

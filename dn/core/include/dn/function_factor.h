@@ -44,7 +44,7 @@ struct ResidualSizes {
   static_assert(
       kReturned == kNoise,
       "Network::Add: the function returns a different number of residuals than its Noise<R> "
-      "has: see SizesOf<returned, R> in this message");
+      "has: see ResidualSizes<returned, R> in this message");
   static constexpr bool kEqual = kReturned == kNoise;
 };
 
