@@ -322,7 +322,7 @@ void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
   app->add_option("--result", options->result,
                   "result.json of `dn calibrate` with the boresight and its covariance");
   app->add_flag("--anyway", options->anyway,
-                "Use --result even if it is contradicted or not_observable");
+                "Uses --result even if it is contradicted or not_observable");
   app->add_flag("--covariance", options->covariance,
                 "Also writes the covariance of every point, from trajectory, boresight and beam");
   app->add_option("--sigma-range-m", options->sigma_range_m,
