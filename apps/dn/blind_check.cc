@@ -191,8 +191,8 @@ void AddBlindCheck(CLI::App* program, Action* action) {
       ->capture_default_str();
   CLI::Option* only =
       app->add_option("--only", options->only,
-                      "Content of every flight: no effect, one, two, or one that the table of "
-                      "effects does not have")
+                      "Content of every flight: no effect, one, two, or one outside the table of "
+                      "effects")
           ->check(AllowedValues({"nothing", "one", "two", "outsider"}));
   app->add_flag_callback(
          "--left-out", [options] { options->only = Word(BlindContent::kLeftOut); },

@@ -101,7 +101,7 @@ std::string Count(std::size_t n, const std::string& noun) {
 
 std::string GapsText(const ImuData& imu) {
   std::string text = imu.gaps.empty() ? "no gap" : Count(imu.gaps.size(), "gap");
-  if (!imu.bridges.empty()) text += ", " + Count(imu.bridges.size(), "hole") + " bridged";
+  if (!imu.bridges.empty()) text += ", " + Count(imu.bridges.size(), "short gap") + " interpolated";
   return text;
 }
 
@@ -201,7 +201,7 @@ void SummarisePairs(const Flight& flight, Json* json) {
     list.push_back(LineJson(line));
   }
   for (const auto& [name, pairs] : CountStripPairs(flight, strips)) {
-    fmt::print("                strips {}: {} pairs, in {} of the 20 tenths of both strips\n", name,
+    fmt::print("                strips {}: {} pairs, in {} of 20 sections (10 per strip)\n", name,
                pairs.count, pairs.tenths);
     between[name] = {{"count", pairs.count}, {"tenths", pairs.tenths}};
   }

@@ -265,7 +265,7 @@ int Execute(const std::string& command, const CommonOptions& options,
   try {
     run.TakeOutput();  // fails before the work instead of after it
     for (const std::filesystem::path& link : options.inputs.circular_links) {
-      run.progress.Warn("the link " + link.string() + " leads back to itself; it is left out");
+      run.progress.Warn("the link " + link.string() + " leads back to itself; it is ignored");
     }
     const int exit_code = RunBody(run, body);
     run.Publish();

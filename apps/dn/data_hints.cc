@@ -226,8 +226,9 @@ std::string HintText(const AxesMistake& mistake) {
   }
   const double scale = mistake.M.cwiseAbs().maxCoeff();
   if (scale != 1.0) {
-    return fmt::format("the angular rates of imu.file fit in {}; correct imu.rate_unit or the file",
-                       scale > 1.0 ? "rad/s, not deg/s" : "deg/s, not rad/s");
+    return fmt::format(
+        "the angular rates of imu.file are plausible in {}; correct imu.rate_unit or the file",
+        scale > 1.0 ? "rad/s, not deg/s" : "deg/s, not rad/s");
   }
   if (mistake.sensor == Sensor::kAccel && mistake.M.trace() < -2.0) {
     return "the specific forces of imu.file have the wrong sign (at rest they point up), or "

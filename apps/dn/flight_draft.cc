@@ -293,7 +293,7 @@ std::string FlightDraft::GnssText() const {
 std::string FlightDraft::GeoreferencingText() const {
   if (strips_without_vectors_ == 0) return {};
   return fmt::format(
-      "  # {} of strips/ hold no laser vectors. These are computed from the points, with the "
+      "  # {} of strips/ have no laser vectors. These are computed from the points, with the "
       "boresight\n"
       "  # that the points were georeferenced with: roll, pitch, yaw; or `boresight`, which is "
       "boresight_deg.\n"

@@ -111,7 +111,7 @@ void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run
                    : "the result is not_observable: its data do not determine all of its angles";
   const FileLocation where{given.result};
   if (!given.anyway) {
-    throw InvalidInput(what + "; mend the calibration, or add --anyway", where);
+    throw InvalidInput(what + "; correct the calibration, or add --anyway", where);
   }
   run.progress.Warn(fmt::format("{} ({}); used because of --anyway", what, given.result));
 }
@@ -323,7 +323,7 @@ void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
   app->add_option("--result", options->result,
                   "result.json of `dn calibrate` with the boresight and its covariance");
   app->add_flag("--anyway", options->anyway,
-                "Use --result even if it is contradicted or not_observable");
+                "Uses --result even if it is contradicted or not_observable");
   app->add_flag("--covariance", options->covariance,
                 "Also writes the covariance of every point, from trajectory, boresight and beam");
   app->add_option("--sigma-range-m", options->sigma_range_m,

@@ -54,7 +54,7 @@ std::vector<FileContent> LookAtFlightFolder(const fs::path& folder) {
 void ExpectFolder(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_directory(folder, none)) {
-    throw InvalidConfig("there is not a folder '" + folder.string() + "'");
+    throw InvalidConfig("there is no folder '" + folder.string() + "'");
   }
   const fs::path file = folder / "flight.yaml";
   if (!fs::exists(fs::symlink_status(file, none))) return;
@@ -70,7 +70,7 @@ void Init(const InitArguments& options, Run& run) {
   FlightDraft draft(folder, contents);
   if (draft.empty()) {
     throw InvalidInput("no file in " + folder.string() +
-                       " holds inertial data, GNSS positions, pairs or a trajectory; "
+                       " contains inertial data, GNSS positions, pairs or a trajectory; "
                        "docs/reference/formats.md describes the formats");
   }
   draft.Settle();

@@ -207,8 +207,9 @@ void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder,
 void FailNoPairs() {
   throw FailedWithResults(
       "no_pairs",
-      "no correspondence was found; match.json has the counts of every stage. Without candidates "
-      "the ground has too little relief (water, flat fields). If candidates exist but none is "
+      "no correspondence was found; match.json has the counts of every stage. If there "
+      "are no candidates, the ground has too little relief (water, flat fields). If candidates "
+      "exist but none is "
       "registered, check that gsd_m fits the points and that the strips are of one flight");
 }
 

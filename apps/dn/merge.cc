@@ -26,7 +26,8 @@ Series ReadSeries(const fs::path& folder) {
   const JsonPlace place(report, file.string());
   if (!place.Has("series")) {
     throw InvalidInput(
-        "it tells of no finished run of dn monte-carlo, dn blind-check or dn study --sweep",
+        "it is not the report of a finished run of dn monte-carlo, dn blind-check or dn study "
+        "--sweep",
         {file.string()});
   }
   return SeriesFromJson(place.At("series"));
@@ -161,8 +162,9 @@ void AddMerge(CLI::App* program, Action* action) {
   app->add_option("DIR", options->folders, "Result folders of all shards")->required();
   AddCommonOptions(app, &options->common, true);
   app->footer(
-      "Make the shards with otherwise equal commands, e.g. with --shard 1/2 and --shard 2/2, each\n"
-      "with its own --out, on any machine.\n"
+      "Run the same command once per shard, e.g. with --shard 1/2 and --shard 2/2, each with its "
+      "own\n"
+      "--out, on any machine.\n"
       "Example: dn merge one two --out both");
   app->callback([options, action] {
     *action = [options] {

@@ -157,15 +157,15 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool writes_fligh
     const auto id = FindFileId(input);
     if (!id || !results.contains(*id)) continue;
     throw InvalidConfig(fmt::format(
-        "--out {} holds an earlier result, which would be removed, and the input {} is part of "
-        "it; give another folder",
+        "--out {} contains an earlier result, which this run would remove, and the input {} is "
+        "part of it; give another folder",
         out.string(), input.string()));
   }
   std::error_code none;
   const bool flight = fs::exists(fs::symlink_status(out / "flight.yaml", none));
   if (!flight || (writes_flight && Holds(earlier, "flight.yaml"))) return;
   throw InvalidConfig(
-      fmt::format("--out {} is a flight folder, it holds a flight.yaml{}; give another folder",
+      fmt::format("--out {} is a flight folder: it contains a flight.yaml{}; give another folder",
                   out.string(), writes_flight ? " that dn simulate did not write" : ""));
 }
 
@@ -173,8 +173,9 @@ void ExpectRealFolder(const fs::path& folder) {
   std::error_code none;
   const fs::file_status status = fs::symlink_status(folder, none);
   if (!fs::exists(status) || fs::is_directory(status)) return;
-  throw UnusableOutput("a file or link is called " + folder.string() +
-                       ", as a folder of the results is; rename it, or give another --out");
+  throw UnusableOutput(folder.string() +
+                       " is a file or link, but the results need a folder of this name; rename it, "
+                       "or give another --out");
 }
 
 }  // namespace dn::apps

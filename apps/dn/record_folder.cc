@@ -25,7 +25,7 @@ RecordFolder::RecordFolder(fs::path folder, const Json& made_from)
   const std::string text = FormatJson(made_from);
   if (IsThere(key) && ReadWholeFile(key, JsonLimits{}.bytes) != text) {
     throw InvalidConfig(folder_.string() +
-                        " holds flights of another scenario, version or option, or of another "
+                        " contains flights of another scenario, version or option, or of another "
                         "build of this version (see " +
                         key.string() + "); give another --out, or delete it");
   }
@@ -54,7 +54,7 @@ Json RecordFolder::MadeFrom(const fs::path& folder) {
   const fs::path key = MadeFromFile(folder);
   Json made_from = ReadJsonFile(key);
   if (!made_from.is_object()) {
-    throw InvalidInput("it does not say what flights lie here", {key.string()});
+    throw InvalidInput("it does not describe the flights of this folder", {key.string()});
   }
   return made_from;
 }
@@ -65,7 +65,7 @@ std::string RecordFolder::MadeFromHash(const Json& made_from) {
 
 void RecordFolder::Refuse(const InvalidInput& error) {
   throw InvalidInput(std::string("not the record of this flight: ") + error.what() +
-                         "; delete the file to fly it again",
+                         "; delete the file to simulate the flight again",
                      error.where());
 }
 

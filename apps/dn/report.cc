@@ -41,8 +41,7 @@ void Report(const ReportArguments& options, Run& run) {
 void AddReport(CLI::App* program, Action* action) {
   auto options = std::make_shared<ReportArguments>();
   CLI::App* app = program->add_subcommand(
-      "report",
-      "Makes one offline HTML page from result folders; several are compared with each other");
+      "report", "Makes one offline HTML page from result folders, and compares several of them");
   app->add_option("DIR", options->folders, "Result folders of other commands")->required();
   app->add_option("--out", options->file, "HTML file of the page; it needs no network")
       ->required()

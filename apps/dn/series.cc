@@ -64,7 +64,8 @@ Series SeriesFromJson(const JsonPlace& json) {
   }
   series.first = json.At("first").Unsigned();
   const bool fits = series.first <= std::numeric_limits<std::uint64_t>::max() - kMostFlights;
-  if (!(is_monte_carlo ? fits : series.first == 1)) json.At("first").Fail("is not a first number");
+  if (!(is_monte_carlo ? fits : series.first == 1))
+    json.At("first").Fail("is not a valid first number of this series");
   series.flights = static_cast<std::uint64_t>(json.At("flights").Integer(1, kMostFlights));
   series.shard = ParseShard(json.At("shard").Text());
   if (series.shard.index == 0) json.At("shard").Fail("is not a shard i/N");

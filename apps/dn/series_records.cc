@@ -41,7 +41,7 @@ std::vector<std::vector<std::string>> LabelsIn(const JsonPlace& made_from) {
     if (labels.back().empty()) key.Fail("is empty");
   }
   if (labels.size() != made_from.At("keys").Texts().size()) {
-    place.Fail("has not as many lists as there are keys");
+    place.Fail("must have one list per key");
   }
   return labels;
 }
@@ -68,7 +68,7 @@ RecordReader<FlightRecord> FlightRecordReader(const JsonPlace& made_from) {
     ExpectNumber(json, "seed", number);
     FlightRecord record = FlightRecordFromJson(json);
     if (record.with_pairs != with_pairs) {
-      json.At("with_pairs").Fail("is not that of made_from.json");
+      json.At("with_pairs").Fail("differs from made_from.json");
     }
     return record;
   };
@@ -86,7 +86,7 @@ RecordReader<BlindRecord> BlindRecordReader(const JsonPlace& made_from) {
       json.At("base").Fail("is not a scenario of made_from.json");
     }
     if (!only.empty() && only != Word(record.content)) {
-      json.At("content").Fail("is not that of made_from.json");
+      json.At("content").Fail("differs from made_from.json");
     }
     return record;
   };
@@ -100,7 +100,7 @@ RecordReader<SweepRecord> SweepRecordReader(const JsonPlace& made_from) {
     ExpectNumber(json, "number", number);
     SweepRecord record = SweepRecordFromJson(json);
     if (record.labels != DesignLabels(labels, number)) {
-      json.At("labels").Fail("are not those of this design");
+      json.At("labels").Fail("differ from the labels of this design in made_from.json");
     }
     return record;
   };
@@ -113,7 +113,7 @@ void ExpectAllDesigns(const JsonPlace& made_from, const Series& series) {
   }
   if (designs == series.flights) return;
   made_from.At("labels").Fail(
-      fmt::format("gives another number of designs than the {} of report.json", series.flights));
+      fmt::format("does not give the {} designs of report.json", series.flights));
 }
 
 }  // namespace dn::apps

@@ -76,7 +76,7 @@ const std::string& ProgramHash() {
   static const std::string hash = [] {
     const auto identity = IdentifyFile("/proc/self/exe");
     if (identity) return identity->sha256;
-    throw InvalidInput("the file of this program cannot be read, and records name its hash",
+    throw InvalidInput("the program file cannot be read, but records need its hash",
                        {"/proc/self/exe"});
   }();
   return hash;

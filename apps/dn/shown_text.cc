@@ -35,7 +35,7 @@ std::string Escaped(std::string_view bytes) {
   return text;
 }
 
-/// Tells whether more bytes may complete the character at the start of the text.
+/// Returns whether more bytes may complete the character at the start of the text.
 bool IsUnfinished(std::string_view text) {
   constexpr std::size_t kLongestCharacter = 4;
   if (text.size() >= kLongestCharacter) return false;

@@ -43,8 +43,8 @@ void PrintAccuracy(const std::vector<TrajectorySigma>& sigma, bool contradicted)
 void PrintSeparation(const FilterSeparation& separation) {
   if (separation.epochs.empty()) {
     fmt::print(
-        "forward/reverse separation: not available; the filters never know the heading at the same "
-        "time\n");
+        "forward/reverse separation: not available; the two filters never know the heading at the "
+        "same time\n");
     return;
   }
   const SeparationAt rms = separation.Rms(), max = separation.Max();

@@ -66,7 +66,7 @@ void AddAccelProcess(const Flight&, const GapCause&, const VectorXd& si, FlightC
 }
 
 void AddVibration(const Flight&, const GapCause& cause, const VectorXd& si, FlightConfig* config) {
-  if (!cause.times.window_s) throw InvalidInput("imu_vibration needs its window");
+  if (!cause.times.window_s) throw InvalidInput("imu_vibration needs a time window (window_s)");
   if (si.maxCoeff() <= kLeastSigma) return;
   const auto& [t0_s, t1_s] = *cause.times.window_s;
   RequireSection(config->imu, "imu").model.vibration.push_back({t0_s, t1_s, si[0], si[1]});

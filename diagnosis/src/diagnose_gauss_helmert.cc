@@ -303,7 +303,7 @@ class GaussHelmertDiagnosis {
     const ReplicateTest& test = stated.test;
     const double larger_nats = (chosen_.empty() ? base_ : final_).larger_errors_nats;
     if (larger_nats > kLargerErrorsNats) {
-      out_.where.push_back({"trajectory", "time-correlated errors against the stated ones",
+      out_.where.push_back({"trajectory", "time-correlated errors larger than stated",
                             "the whole flight", larger_nats, std::exp(-larger_nats)});
     }
     for (const Eigen::Index k : test.LargestFirst()) {

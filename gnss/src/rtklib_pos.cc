@@ -60,7 +60,7 @@ void CheckCoordinates(const Header& header, const FileLocation& where) {
   if (header.Has({"latitude", "longitude", "height"})) return;
   if (header.Has({"x-ecef", "y-ecef", "z-ecef"})) return;
   throw InvalidInput(
-      "columns hold neither latitude, longitude, height nor x, y, z-ecef; write the solution with "
+      "columns are neither latitude, longitude, height nor x, y, z-ecef; write the solution with "
       "out-solformat llh or xyz",
       where);
 }

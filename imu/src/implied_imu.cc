@@ -31,8 +31,8 @@ ImuData ImpliedImu(const LocalFrame& frame, const std::vector<MapPose>& motion, 
   const double span_s = motion.empty() ? 0.0 : motion.back().t_s - motion.front().t_s;
   const double samples = std::floor(span_s * rate_hz * (1.0 + 1e-12));
   if (!(rate_hz > 0.0) || !(samples >= 1.0)) {
-    throw InvalidInput("implied IMU: no sample at " + std::to_string(rate_hz) +
-                       " Hz within a motion of " + std::to_string(span_s) + " s");
+    throw InvalidInput("implied IMU: a motion of " + std::to_string(span_s) +
+                       " s is too short for a sample at " + std::to_string(rate_hz) + " Hz");
   }
   ImuData imu;
   imu.nominal_dt_s = 1.0 / rate_hz;

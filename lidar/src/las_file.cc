@@ -200,7 +200,7 @@ class LasFileReader {
     }
     if (count > kMostRecords) {
       Fail(promised + ", at most " + std::to_string(kMostRecords) +
-           " are read; remove needless records");
+           " are read; remove unneeded records");
     }
   }
 
@@ -312,7 +312,7 @@ class LasFileReader {
   /// is rewritten, so their size is limited.
   void ExpectLittleElse(std::uint64_t bytes) const {
     if (bytes <= kMostHeadBytes || Number<std::uint64_t>(las::kWaveformAt) != 0) return;
-    Fail(Bytes(bytes) + " behind the points belong to no record that its header lists; repair it");
+    Fail(Bytes(bytes) + " after the points belong to no record listed in the header; repair it");
   }
 
   // Well-known text takes precedence over GeoTIFF keys: if a file has both, the keys are the older

@@ -91,8 +91,8 @@ double LasReader::Time(std::uint64_t index, const char* record) {
   };
   if (las_.adjusted_time && std::abs(tag_s) > kMostAdjustedS) {
     throw error(
-        ", which the header calls adjusted standard (bit 0 of byte 6), is not a time since 1980 "
-        "minus 1e9 s");
+        " is not valid as adjusted standard time, the type in the header (bit 0 of byte 6): GPS "
+        "seconds since 1980 minus 1e9");
   }
   if (!time_origin_s_) {
     const double week = std::floor((tag_s + kAdjustedOriginS) / kWeekS);
@@ -101,13 +101,12 @@ double LasReader::Time(std::uint64_t index, const char* record) {
   const double t_s = tag_s - *time_origin_s_;
   if (IsWeekSeconds(t_s)) return t_s;
   if (las_.adjusted_time) {
-    throw error(" is more than a week from that of the first point, " +
-                FormatDouble(*time_origin_s_) +
-                " s being the begin of its week; split the file by weeks");
+    throw error(" lies outside the week of the first point, which begins at " +
+                FormatDouble(*time_origin_s_) + " s; split the file by weeks");
   }
   throw error(
-      ", which the header calls seconds of week (bit 0 of byte 6), is not one; if it is adjusted "
-      "standard time, set the bit");
+      " is not valid as seconds of week, the type in the header (bit 0 of byte 6); if it is "
+      "adjusted standard time, set the bit");
 }
 
 std::unique_ptr<StripWriter> LasReader::MakeWriter(const std::filesystem::path& file,

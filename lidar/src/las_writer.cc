@@ -199,7 +199,7 @@ void LasWriter::CopyTail() {
     bytes.resize(std::min<std::uint64_t>(left, kCopyBytes));
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (static_cast<std::size_t>(in.gcount()) != bytes.size()) {
-      throw InvalidInput("file cannot be read behind its points", FileLocation{las_.path.string()});
+      throw InvalidInput("file cannot be read after its points", FileLocation{las_.path.string()});
     }
     file_.Append(bytes);
   }

@@ -196,7 +196,7 @@ class Matcher {
 
   [[noreturn]] void FailNoOverlap() const {
     throw InvalidInput(
-        "no two strips have ground in common; check that they cover one area and that "
+        "no two strips overlap; check that they cover the same area and that "
         "strips_crs and the trajectory belong to the points",
         {source_.strips().front().files.front().string()});
   }
@@ -207,9 +207,9 @@ class Matcher {
     const double gsd_m = options_.gsd_m.value_or(spacing_m);
     if (gsd_m >= kLeastShareOfSpacing * spacing_m) return gsd_m;
     throw InvalidConfig(
-        fmt::format("the ground sampling distance is said to be {:.3g} m, but strip {} has one "
-                    "point in {:.2g} m by {:.2g} m; give at least {:.2g} m (--gsd, or lidar.gsd_m "
-                    "of flight.yaml), or no distance at all",
+        fmt::format("the ground sampling distance is set to {:.3g} m, but strip {} has one point "
+                    "per {:.2g} m by {:.2g} m; give at least {:.2g} m (--gsd, or lidar.gsd_m of "
+                    "flight.yaml), or omit it",
                     gsd_m, source_.strips().front().name, spacing_m, spacing_m,
                     kLeastShareOfSpacing * spacing_m),
         {source_.strips().front().files.front().string()});

@@ -25,9 +25,9 @@ void CheckHoles(const Trajectory& trajectory) {
   const auto& points = trajectory.points();
   for (std::size_t i = 1; i < points.size(); ++i) {
     if (points[i].t_s - points[i - 1].t_s > kLongestHole_s) {
-      throw InvalidInput("the trajectory to replay has a hole from " +
+      throw InvalidInput("the trajectory to replay has a gap from " +
                          FormatDouble(points[i - 1].t_s) + " to " + FormatDouble(points[i].t_s) +
-                         " s; holes of at most 1 s are allowed");
+                         " s; gaps of at most 1 s are allowed");
     }
   }
   if (trajectory.t_end_s() - trajectory.t_begin_s() < kShortestFlight_s) {

@@ -9,7 +9,7 @@ namespace dn {
 /// Returns a plan that follows a given trajectory, smoothed over some quarters of a second. Its
 /// times count from the first epoch of the trajectory plus kReplayMargin_s. The strips are its
 /// straight parts of at least 10 s. Throws InvalidInput if the trajectory is shorter than 10 s or
-/// has a hole of more than 1 s.
+/// has a gap of more than 1 s.
 FlightPlan ReplayFlight(const Trajectory& trajectory, const LocalFrame& frame);
 
 /// Time removed at both ends of a replayed trajectory, s.

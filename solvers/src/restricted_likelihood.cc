@@ -29,8 +29,8 @@ void ExpectRows(Eigen::Index shares, const LinearizedNetwork& linearized) {
 void CheckShare(const Eigen::VectorXd& share) {
   for (Eigen::Index row = 0; row < share.size(); ++row) {
     if (share[row] >= 0.0 && std::isfinite(share[row])) continue;
-    throw InvalidInput("restricted likelihood: the share of row " + std::to_string(row) + " is " +
-                       std::to_string(share[row]) + ", must be finite and at least 0");
+    throw InvalidInput("restricted likelihood: the variance share of row " + std::to_string(row) +
+                       " is " + std::to_string(share[row]) + ", must be finite and at least 0");
   }
 }
 

@@ -353,7 +353,7 @@ TEST(TrajectoryAccuracy, ACovarianceOfAnotherRunIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance *= 1.1;
   ExpectInvalidIn([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
-                  "of another run", "trajectory_covariance.txt");
+                  "of different runs", "trajectory_covariance.txt");
 }
 
 // The error is constant in each of a few strips and has the stated size. The boresight absorbs

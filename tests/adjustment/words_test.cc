@@ -78,7 +78,7 @@ TEST(Words, AnglesHaveTheirNames) {
   EXPECT_THAT(Words(Finding{facts::SigmaTooLarge{2}}), HasSubstr("of yaw exceeds 0.5 deg"));
   EXPECT_THAT(Words(Finding{facts::SigmaAbovePairs{0}}), HasSubstr("of roll exceeds ten times"));
   EXPECT_THAT(Words(Finding{facts::AnglesInseparable{0, 1}}),
-              HasSubstr("roll and pitch cannot be told apart"));
+              HasSubstr("roll and pitch cannot be separated"));
 }
 
 TEST(Words, BothSidesOfATestHaveTheirWords) {

@@ -121,7 +121,7 @@ TEST_F(BlindCheck, AFolderOfItsResultsThatIsALinkIsRefused) {
     fs::create_directory_symlink(elsewhere, out / name);
     const ProgramRun run = RunProgram(Arguments(out, "1/2"));
     EXPECT_EQ(run.exit_code, 1) << name;
-    EXPECT_THAT(run.err, HasSubstr("a file or link is called"));
+    EXPECT_THAT(run.err, HasSubstr("is a file or link, but the results need a folder"));
     EXPECT_EQ(NamesIn(elsewhere), std::vector<std::string>{"001"});
     EXPECT_EQ(NamesIn(elsewhere / "001"), std::vector<std::string>{"notes.txt"});
   }

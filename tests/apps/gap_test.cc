@@ -69,7 +69,7 @@ TEST(CliGap, ItsResultsAreNotOverwrittenByWhatReadsThem) {
   const std::string out = GapResult().string();
   const ProgramRun run = RunProgram({"calibrate", out + "/flight.adapted.yaml", "--out", out});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("holds an earlier result"));
+  EXPECT_THAT(run.err, HasSubstr("contains an earlier result"));
   EXPECT_TRUE(fs::exists(GapResult() / "gap.json"));
 }
 

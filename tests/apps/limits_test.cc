@@ -111,7 +111,7 @@ TEST(CliLimits, ALinkToItselfIsLeftOut) {
   fs::create_directory(folder.path() / "strips");
   fs::create_symlink("1.las", folder.path() / "strips/1.las");
   EXPECT_THAT(RunProgram({"check", folder.path()}).err,
-              HasSubstr("strips/1.las leads back to itself; it is left out"));
+              HasSubstr("strips/1.las leads back to itself; it is ignored"));
 }
 
 }  // namespace dn::testing::limits_test

@@ -170,7 +170,7 @@ TEST_F(Matching, ADistanceFarBelowThatOfThePointsIsRefused) {
     options.max_memory_bytes = 2L << 30;
     const ProgramRun run = RunProgram(options);
     EXPECT_EQ(run.exit_code, 2);
-    EXPECT_THAT(run.err, HasSubstr("one point in"));
+    EXPECT_THAT(run.err, HasSubstr("one point per"));
     EXPECT_THAT(run.err, HasSubstr("1.las"));
   }
 }

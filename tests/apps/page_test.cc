@@ -37,7 +37,7 @@ TEST(CliPage, HoldsEverySection) {
   const std::string html = PageIn(CalibrateResult());
   for (const char* text :
        {"Differences of the pairs by pair of strips", "USGS", "Swath separation",
-        "Where the pairs lie, before", "Remaining differences of the pairs against scan angle",
+        "Location of the pairs, before", "Remaining differences of the pairs against scan angle",
         "against range", "against heading", "against time", "Does the model fit the data?",
         "Path of the flight", "Standard deviation of the attitude",
         "Gyro, with a band of one sigma", "Settings (config.resolved.yaml)", "Versions"}) {

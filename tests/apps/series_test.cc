@@ -89,7 +89,7 @@ TEST_F(SeriesOfThree, WhatDoesNotFitTogetherIsRefused) {
   EXPECT_THAT(twice.err, HasSubstr("flight 5 is in two of the folders"));
   const ProgramRun nothing = Merge({One(), ShortFlight()}, Path("refused"));
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_THAT(nothing.err, HasSubstr("no finished run"));
+  EXPECT_THAT(nothing.err, HasSubstr("not the report of a finished run"));
   const ProgramRun other = Fly(Path("other"), "2/2", "4");
   ASSERT_EQ(other.exit_code, 0) << other.err;
   const ProgramRun mixed = Merge({One(), Path("other")}, Path("refused"));
@@ -189,7 +189,7 @@ TEST_F(SeriesOfThree, AFolderOfRecordsThatIsALinkIsRefused) {
   std::ofstream(Path("elsewhere") / ".mine.part") << "of the user";
   const ProgramRun run = Fly(out, "1/2");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.err, HasSubstr("a file or link is called"));
+  EXPECT_THAT(run.err, HasSubstr("is a file or link, but the results need a folder"));
   EXPECT_EQ(NamesIn(Path("elsewhere")), std::vector<std::string>{".mine.part"});
 }
 

@@ -261,7 +261,7 @@ TEST(OutputDirectory, AJournalOfAnotherPlaceIsRefused) {
     SCOPED_TRACE(text);
     const PlantedJournal planted;
     planted.Write(text);
-    planted.ExpectRefused("it was written elsewhere");
+    planted.ExpectRefused("it was written for another folder");
   }
 }
 
@@ -281,7 +281,7 @@ TEST(OutputDirectory, AJournalNamesNothingOutside) {
     SCOPED_TRACE(name);
     const PlantedJournal planted;
     planted.WriteOurs("absent.txt\n" + name + "\n");
-    planted.ExpectRefused("a name in it is not that of a result file");
+    planted.ExpectRefused("it names a file that is not a result");
   }
 }
 

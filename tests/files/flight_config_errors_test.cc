@@ -77,9 +77,9 @@ TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("trajectory: {sigma_rp_deg: -1}\n", "trajectory.sigma_rp_deg: must be greater", 1);
   ExpectBad("trajectory: {crs: utm:61n}\n", "is not one of geographic, map, utm:ZONEn", 1);
   ExpectBad("gnss: {crs: utm:61n}\n", "is not one of geographic, map, utm:ZONEn", 1);
-  ExpectBad("gnss: {north: grid}\n", "grid needs positions in a grid", 1);
+  ExpectBad("gnss: {north: grid}\n", "grid needs coordinates in a UTM grid", 1);
   ExpectBad("gnss: {format: rtklib, crs: utm:32n}\n", "define their coordinates themselves", 1);
-  ExpectBad("trajectory: {north: grid}\n", "grid needs positions in a grid", 1);
+  ExpectBad("trajectory: {north: grid}\n", "grid needs coordinates in a UTM grid", 1);
   ExpectBad("network: {node_rate_hz: -1}\n", "greater than 0", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 0}}\n", "at least 1", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {seed: -1}}\n", "at least 0", 1);

@@ -424,7 +424,7 @@ TEST_F(GeoreferenceStrip, ARecordAndADeclarationMustAgree) {
             VectorOrigin::Kind::kRecorded);
   options.made_with.declared_rad = Vector3d(0.2, 0.03, 0.36) * kRadPerDeg;
   ExpectInvalidIn([&] { FindVectorOrigin(*strip, options.made_with, Out("strip.las")); },
-                  "take the key out of flight.yaml", "new_strip.las");
+                  "remove the key from flight.yaml", "new_strip.las");
 }
 
 TEST_F(GeoreferenceStrip, ASourceNamesBothSpansWhereNothingIsLeft) {

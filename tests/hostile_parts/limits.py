@@ -169,7 +169,7 @@ def foreign_case(base, rng):
 
 
 class Written(Case):
-    """A command that writes beside its input."""
+    """A command that writes next to its input."""
 
     def attack(self, arena):
         outcome, findings = super().attack(arena)

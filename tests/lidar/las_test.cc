@@ -385,7 +385,7 @@ TEST(LasHeader, ReportsFalseStatementsOfVersionFour) {
   with(end + 20, ~std::uint64_t{0}, "extended record 1 of 1");
   with(247, ~std::uint64_t{0}, "points of 30 bytes from byte");
   with(375 + 22, 1e10, "GPS time 1e+10 of point 1");
-  with(375 + 30 + 22, 1e9, "more than a week from that of the first point");
+  with(375 + 30 + 22, 1e9, "lies outside the week of the first point");
   LasBytes waveforms = ThreePoints();
   waveforms.minor = 3;
   waveforms.format = 4;

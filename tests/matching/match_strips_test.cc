@@ -108,8 +108,7 @@ TEST_F(BareStrips, StripsOfDifferentPlacesAreRefused) {
   folder_.Write("1.txt", Strip(town.Points(2000, 50.0, 0.02, Vector3d::Zero(), 1), 1000.0));
   folder_.Write("2.txt", Strip(town.Points(2000, 50.0, 0.02, Vector3d(900.0, 0, 0), 2), 2000.0));
   BareMatchSource source = Source();
-  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, {}); },
-                           "no two strips have ground in common", "1.txt");
+  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, {}); }, "no two strips overlap", "1.txt");
 }
 
 TEST_F(BareStrips, AStrayPointIsNamedAndNoRasterOfItsSizeMade) {

@@ -250,7 +250,7 @@ TEST(Page, OfAnHourOfFlightIsSmallEnoughToSend) {
   folder.Write("biases.txt", Rows(36000, 13, 0.1));
   folder.Write("pair_residuals.txt", Rows(40000, 17, 0.09));
   const std::string html = ToHtml(MakePage(folder.path()));
-  EXPECT_THAT(html, HasSubstr("Where the pairs lie, after"));
+  EXPECT_THAT(html, HasSubstr("Location of the pairs, after"));
   EXPECT_THAT(html, HasSubstr("Gyro, with a band"));
   EXPECT_LT(html.size(), kMostBytes);
 }

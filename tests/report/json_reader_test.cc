@@ -81,7 +81,7 @@ TEST(JsonReader, BytesValuesAndKeysAreBounded) {
 }
 
 TEST(JsonReader, AKeyIsThereOnce) {
-  EXPECT_EQ(ReadRefusal("{\"a\": 1, \"b\": 1, \"a\": 2}"), "the key 'a' is there twice (x.json)");
+  EXPECT_EQ(ReadRefusal("{\"a\": 1, \"b\": 1, \"a\": 2}"), "the key 'a' is given twice (x.json)");
   EXPECT_EQ(ReadRefusal("{\"a\": {\"b\": 1}, \"b\": 1}"), "read");
 }
 
@@ -133,7 +133,7 @@ TEST(JsonPlace, NamesFileAndPlaceOfWhatItDoesNotExpect) {
         << key;
   }
   EXPECT_THAT(Refusal([&] { list.FiniteVector3(); }), Not(HasSubstr("read")));
-  EXPECT_THAT(Refusal([&] { root.At("a/b").Text(); }), HasSubstr("is not a text"));
+  EXPECT_THAT(Refusal([&] { root.At("a/b").Text(); }), HasSubstr("is not a string"));
   EXPECT_THAT(Refusal([&] { list.At(1).Text(0); }), HasSubstr("longer than 0 bytes"));
   EXPECT_THAT(Refusal([&] { root.At("half").Flag(); }), HasSubstr("is neither true nor false"));
   EXPECT_THAT(Refusal([&] { root.At("half").Unsigned(); }), HasSubstr("is not an integer"));

@@ -82,7 +82,7 @@ TEST(Sweep, IsCountedBeforeItsValuesAreRead) {
 
 TEST(Sweep, NamesAreFitForATerminal) {
   EXPECT_THAT(ParseErrorText("  pairs.count: {\"\\e[31mred\": 1, b: 2}\n"),
-              HasSubstr("the name ' [31mred' holds a line break"));
+              HasSubstr("the name ' [31mred' contains a line break"));
 }
 
 TEST(Sweep, WhatIsFreeMustBeAnUnknown) {

@@ -84,7 +84,7 @@ Section ByEffect(const Facts& score) {
 }
 
 Section Reliability(const Facts& score) {
-  Section section{"Do the probabilities hold?", {}};
+  Section section{"Are the probabilities calibrated?", {}};
   Curve there{"observed, with its 95 % interval", {}, {}};
   there.points = true;
   Table table{
@@ -102,14 +102,13 @@ Section Reliability(const Facts& score) {
                           share["interval_95"][1].Decimals(3)});
   }
   if (table.rows.empty()) return section;
-  section.contents = {
-      Paragraph{"A stated probability is right if the same share of these causes is present. The "
-                "points then lie on the line of the perfect forecast."},
-      Chart{SeriesChart{"Probability of a cause: stated and observed",
-                        "stated",
-                        "share",
-                        {{"perfect", {0.0, 1.0}, {0.0, 1.0}}, std::move(there)}}},
-      std::move(table)};
+  section.contents = {Paragraph{"A stated probability is right if the same share of these causes "
+                                "is present. The points then lie on the diagonal."},
+                      Chart{SeriesChart{"Probability of a cause: stated and observed",
+                                        "stated",
+                                        "share",
+                                        {{"perfect", {0.0, 1.0}, {0.0, 1.0}}, std::move(there)}}},
+                      std::move(table)};
   return section;
 }
 

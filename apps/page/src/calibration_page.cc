@@ -65,8 +65,7 @@ Table OtherAngles(const Facts& boresight) {
 }
 
 Table Covariance(const Facts& matrix) {
-  Table table{
-      "Covariance [mdeg²], of a perturbation from the left", {"", "roll", "pitch", "yaw"}, {}};
+  Table table{"Covariance [mdeg²] of a left perturbation", {"", "roll", "pitch", "yaw"}, {}};
   for (std::size_t r = 0; r < 3; ++r) {
     std::vector<Cell> cells;
     for (std::size_t c = 0; c < 3; ++c) cells.push_back(matrix[r][c].Significant(4, 1e6));

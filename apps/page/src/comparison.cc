@@ -51,10 +51,10 @@ Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named) {
       {"", "roll [mdeg]", "sigma", "pitch [mdeg]", "sigma", "yaw [mdeg]", "sigma", "p-value", "",
        "covariances"},
       {},
-      "Significant: p < 0.0027 of the chi-square of all three angles (three sigma). Of nested "
-      "data: one is the Gauss-Helmert adjustment, the other the dynamic network of the same "
-      "flight, which uses all its data; the difference then has the covariance of the first "
-      "minus that of the second (Hausman 1978). Independent: the covariances are summed, which "
+      "A difference is significant if p < 0.0027 for the chi-square of all three angles (three "
+      "sigma). Nested data: the dynamic network uses all data of the Gauss-Helmert adjustment of "
+      "the same flight, and more. The covariance of the difference is then that of the adjustment "
+      "minus that of the network (Hausman 1978). Independent: the covariances are added; the sum "
       "is too large if the results share data."};
   constexpr double kMdeg = 1e3 * kDegPerRad;
   for (std::size_t a = 0; a < named.size(); ++a) {

@@ -25,8 +25,8 @@ Section UndetectableSection(const Facts& effects) {
        "shift roll [mdeg]", "pitch", "yaw"},
       {},
       "An effect below its detectable size may be present, and shift the boresight by up to "
-      "the stated angles. This size is that of the best-determined direction. A single "
-      "component may have to be larger."};
+      "the stated angles. The size applies to the best-determined direction; a single component "
+      "may need to be larger to be detected."};
   for (const Facts& effect : effects.elements()) {
     std::vector<Cell> row{
         Text(effect["effect"].text()), effect["minimal_detectable"].Significant(2),

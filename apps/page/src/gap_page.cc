@@ -45,7 +45,7 @@ const std::map<std::string, Meaning>& GapMeanings() {
       {"unavailable",
        {"This flight cannot be diagnosed.",
         Tone::kDoubtful,
-        {"Fly or add what the reason asks for."}}},
+        {"Fly again, or add the data that the reason names."}}},
   };
   return meanings;
 }
@@ -65,7 +65,7 @@ Headline GapHeadline(const Facts& gap) {
       Row("p-value: probability of such data without a gap",
           {gap["gap"]["p_value"].Significant(2)}),
       Row("size [nats per observation]", {size["value"].Significant(3)}),
-      Row("upper limit of 95 %", {size["upper_limit_95"].Significant(3)}),
+      Row("95 % upper limit", {size["upper_limit_95"].Significant(3)}),
       Row("excess of the pairs over their noise [mm]", {units["p2p_excess_mm"].Decimals(1)}),
       Row("excess of GNSS over its noise [mm]", {units["gnss_excess_mm"].Decimals(1)}),
       Row("boresight between strip pairs [mdeg]",
@@ -89,8 +89,8 @@ Section Causes(const Facts& gap) {
        "size"},
       {},
       "Best explanation first. Shift: change of the boresight if the effect is present and not "
-      "modelled. Share absorbed: the part that trajectory, biases and boresight follow. It does "
-      "not show in residuals."};
+      "modelled. Share absorbed: the part that trajectory, biases and boresight absorb. It is "
+      "not visible in the residuals."};
   for (const Facts& cause : gap["causes"].elements()) {
     const std::string name = cause["effect"].text();
     if (chart.bars.size() < kMaxCauses) {
@@ -120,7 +120,8 @@ Section Where(const Facts& gap) {
   Table table{"",
               {"sensor", "quantity", "place", "statistic", "p-value"},
               {},
-              "p-values hold for all places together. A large p means that nothing stands out."};
+              "p-values are corrected for the number of places. A large p means that no place is "
+              "significant."};
   for (const Facts& place : gap["where"].elements()) {
     table.rows.push_back({Text(place["sensor"].text()), Text(place["quantity"].text()),
                           Text(place["location"].text()), place["statistic"].Decimals(2),

@@ -7,15 +7,15 @@ namespace dn::internal {
 namespace {
 
 Headline GeorefHeadline(const Facts& georef) {
-  Headline headline{"georeferenced",
-                    "The point clouds of this folder have the coordinates that this boresight and "
-                    "this trajectory give.",
-                    Tone::kGood};
+  Headline headline{
+      "georeferenced",
+      "The point clouds of this folder were computed with this boresight and this trajectory.",
+      Tone::kGood};
   Table table{"Boresight [deg]", {"", "roll", "pitch", "yaw"}, {}};
   table.rows = {Row("of the new points", Three(georef["boresight_deg"], 5)),
                 Row("of the old points", Three(georef["boresight_before_deg"], 5))};
   headline.figures = {std::move(table)};
-  headline.next = {"dn match FLIGHT --out DIR: how far the strips are apart"};
+  headline.next = {"dn match FLIGHT --out DIR: the distances between the strips"};
   return headline;
 }
 
@@ -23,7 +23,7 @@ Table StripsTable(const Facts& strips) {
   Table table{"",
               {"strip", "points", "kept", "moved, rms [m]", "at most [m]", "laser vectors"},
               {},
-              "Not kept: points without a pose. report.json has their number by reason."};
+              "Points without a pose were dropped. report.json has their number by reason."};
   for (const Facts& strip : strips.elements()) {
     table.rows.push_back(
         Row(strip["name"].text(),

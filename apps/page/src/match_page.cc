@@ -43,8 +43,8 @@ Headline MatchHeadline(const Facts& match) {
   headline.word = pairs > 0.0 ? "matched" : "no pairs";
   headline.tone = pairs > 0.0 ? Tone::kGood : Tone::kBad;
   headline.answer = pairs > 0.0
-                        ? "The pairs are the same points of the ground within their covariances."
-                        : "No place of the overlaps can be identified in both strips.";
+                        ? "Each pair is one ground point, within its covariance."
+                        : "No ground patch of the overlaps could be matched in both strips.";
   const Facts all = match["misalignment"];
   if (all) {
     headline.figures = {
@@ -58,19 +58,19 @@ Headline MatchHeadline(const Facts& match) {
         "dn calibrate flight.matched.yaml of this folder: the boresight and its sigmas"};
   } else {
     headline.next = {
-        "look where the counts below fall to zero; a place needs shape, such as slopes in several "
-        "directions"};
+        "Find the stage at which the counts below fall to zero. A patch needs relief: slopes in "
+        "several directions."};
   }
   return headline;
 }
 
 Table StagesTable(const Facts& match) {
   Table table{
-      "From places to pairs",
-      {"strips", "overlap [m2]", "places with shape", "clear in the rasters", "registered", "pairs",
-       "evenness", "sigma, median [m]"},
+      "Number of patches after each stage",
+      {"strips", "overlap [m2]", "patches with relief", "clear in the rasters", "registered",
+       "pairs", "evenness", "sigma, median [m]"},
       {},
-      "Evenness: mean distance to the next pair, relative to that of random places; below 1 in "
+      "Evenness: mean distance to the next pair, relative to that of random positions; below 1 in "
       "clusters. Sigma: three-dimensional, of a pair's difference."};
   for (const Facts& of : match["strip_pairs"].elements()) {
     const Facts counts = of["counts"];

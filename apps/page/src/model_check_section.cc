@@ -28,7 +28,7 @@ Table Groups(const Facts& check) {
                "at [s]"},
               {},
               "Variance ratio: sum of squares over redundancy, 1 if the stated noise is right. "
-              "p-values hold for all tests of the flight together."};
+              "p-values are corrected for the number of tests of the flight."};
   for (const Facts& group : check["groups"].elements()) {
     const Facts worst = group["worst"];
     table.rows.push_back({Text(group["name"].text()), group["observations"].Count(),
@@ -59,8 +59,8 @@ Table Departures(const Facts& check) {
   Table table{"Differences of laser vectors that no effect explains",
               {"discrepancy", "chi-square", "degrees of freedom", "p-value"},
               {},
-              "Tested with the effects above, against the noise that the pairs show. p-values hold "
-              "for all tests of the flight together."};
+              "Tested with the effects above, against the noise that the pairs show. p-values are "
+              "corrected for the number of tests of the flight."};
   for (const Facts& departure : check["departures"].elements()) {
     table.rows.push_back(
         {Text(departure["name"].text()), departure["statistic"].Decimals(1),

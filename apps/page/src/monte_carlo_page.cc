@@ -16,7 +16,8 @@ std::vector<Cell> Judged(const std::string& name, const Facts& figure) {
 }
 
 Table Figures(const Facts& summary) {
-  Table table{"Bands of 99 %, if the covariances are right", {"", "value", "from", "to", ""}, {}};
+  Table table{
+      "99 % bands, valid if the covariances are correct", {"", "value", "from", "to", ""}, {}};
   const Facts boresight = summary["boresight"];
   const auto add = [&](const std::string& name, const Facts& figure) {
     if (figure) table.rows.push_back(Judged(name, figure));
@@ -36,9 +37,9 @@ Headline MonteCarloHeadline(const Facts& summary) {
   Headline headline;
   headline.word = consistent ? "consistent" : "not consistent";
   headline.tone = consistent ? Tone::kGood : Tone::kBad;
-  headline.answer = consistent
-                        ? "The covariances are right: the errors against the truth have this size."
-                        : "The covariances are wrong: see the values outside their bands.";
+  headline.answer = consistent ? "The covariances agree with the true errors."
+                               : "The covariances do not agree with the true errors: see the "
+                                 "values outside their bands.";
   headline.reasons = summary["failures"].texts();
   headline.figures = {Figures(summary)};
   return headline;
@@ -81,7 +82,7 @@ Section Trajectory(const ResultFolder& folder, const Facts& summary) {
       "",
       {"", "NEES per degree of freedom", "share of epochs outside", "above", "rms [sigma]", "", ""},
       {},
-      "If the covariances are right, 1 % of the epochs lie outside on average."};
+      "If the covariances are correct, 1 % of the epochs lie outside on average."};
   for (const Facts& one : quantities) {
     std::vector<Cell> row{Text(one["quantity"].text()), one["nees_per_dof"].Decimals(3),
                           one["share_of_epochs_outside"].Decimals(3),
@@ -97,7 +98,7 @@ Section Trajectory(const ResultFolder& folder, const Facts& summary) {
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     Curve curve = NeesCurve(*nees, k + 1);
     if (curve.x.empty()) continue;
-    Curve bounds{"band of 99 %", {curve.x.front(), curve.x.back()}, {1.0, 1.0}};
+    Curve bounds{"99 % band", {curve.x.front(), curve.x.back()}, {1.0, 1.0}};
     bounds.low.assign(2, band[0].number());
     bounds.high.assign(2, band[1].number());
     section.contents.emplace_back(Chart{SeriesChart{quantities[k]["quantity"].text(),

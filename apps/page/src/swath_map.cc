@@ -54,7 +54,7 @@ std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pa
   const double high_m = std::max(ValueAtShare(pairs.before_m, kOfAll), 2.0 * low_m);
   for (const auto& [when, apart_m] :
        {std::pair("before", &pairs.before_m), {"after", &pairs.after_m}}) {
-    MapChart map = SwathMap(folder, std::string("Where the pairs lie, ") + when);
+    MapChart map = SwathMap(folder, std::string("Location of the pairs, ") + when);
     map.valued.label = std::string("apart ") + when + " [m]";
     map.valued.low = low_m;
     map.valued.high = high_m;

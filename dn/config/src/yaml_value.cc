@@ -109,7 +109,7 @@ void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
   std::vector<std::string> seen;
   for (const auto& entry : node_->yaml) {
     const YamlValue key({entry.first}, path_, file_, where());
-    if (!entry.first.IsScalar()) key.Fail("a key must be a word");
+    if (!entry.first.IsScalar()) key.Fail("a key must be plain text, not a list or map");
     const std::string& name = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       key.Fail("unknown key '" + Shown(name) + "'; did you mean '" + NearestName(name, known) +

@@ -33,7 +33,8 @@ void CheckPositions(const std::vector<SbetRecord>& records, const FileLocation& 
       CheckGeodetic({records[i][1], records[i][2], records[i][3]});
     } catch (const InvalidInput& e) {
       throw InvalidInput(
-          "SBET " + RecordName(i) + ": " + e.what() + "; SBET holds radians, little endian", where);
+          "SBET " + RecordName(i) + ": " + e.what() + "; SBET files contain radians, little endian",
+          where);
     }
   }
 }

@@ -99,7 +99,7 @@ class TreeBuilder {
     const auto twice =
         std::adjacent_find(keys.begin(), keys.end(),
                            [](const std::string* a, const std::string* b) { return *a == *b; });
-    if (twice != keys.end()) Fail("the key '" + Shown(**twice) + "' is there twice");
+    if (twice != keys.end()) Fail("the key '" + Shown(**twice) + "' is given twice");
   }
 
   [[noreturn]] void Fail(const std::string& what) const {
@@ -224,7 +224,7 @@ bool JsonPlace::Flag() const {
 
 std::string JsonPlace::Text(std::size_t max_bytes) const {
   const auto* text = json_->get_ptr<const Json::string_t*>();
-  if (text == nullptr) Fail("is not a text");
+  if (text == nullptr) Fail("is not a string");
   if (text->size() > max_bytes) Fail(fmt::format("is longer than {} bytes", max_bytes));
   return *text;
 }

@@ -52,10 +52,9 @@ void CheckSameRun(const TrajectoryCovariance& covariance, const AccuracySeries& 
     const double sigma_up_m = std::sqrt(covariance.covariance(at + 2, at + 2));
     if (std::abs(sigma_up_m - sigma_down_m) > kTolerance * sigma_down_m) {
       throw InvalidInput(
-          "the file is of another run than the standard deviations next to it: sigma up at " +
-              FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) +
-              " m in it and " + FormatDouble(sigma_down_m) +
-              " m there; remove the file, or smooth the flight again",
+          "the file and the standard deviations next to it are of different runs: sigma up at " +
+              FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) + " m and " +
+              FormatDouble(sigma_down_m) + " m; remove the file, or smooth the flight again",
           FileLocation{file.string(), 0, 0});
     }
   }

@@ -120,8 +120,8 @@ std::string Say(const facts::VarianceTooLarge& fact) {
 std::string Say(const facts::ErrorsShared& fact) {
   const CommonErrorCheck& common = fact.common;
   return fmt::format(
-      "the residuals of {} share errors that the model takes as independent, of about {:.2g} of "
-      "their sigmas ({}), which may move the result by {:.1f} sigma: {}",
+      "the residuals of {} have common errors of about {:.2g} of their sigmas, which the model "
+      "assumes to be independent ({}); they may move the result by {:.1f} sigma: {}",
       common.name, common.sigma, P(common.p_value), common.max_shift_sigmas,
       SharedErrorCause(common));
 }
@@ -148,8 +148,9 @@ std::string Say(const facts::VectorsAssumed& fact) {
 
 std::string Say(const facts::GapUnexplained& fact) {
   return fmt::format(
-      "a diagnosis of the flight found what its configuration does not model: {} (key unexplained "
-      "of flight.yaml): model it, diagnose the flight again, then remove that key",
+      "a diagnosis of the flight found a discrepancy that its configuration does not model: {} "
+      "(key "
+      "unexplained of flight.yaml): model it, diagnose the flight again, then remove that key",
       fact.what);
 }
 
@@ -274,7 +275,7 @@ std::string Say(const facts::SigmaAbovePairs& fact) {
 
 std::string Say(const facts::AnglesInseparable& fact) {
   return fmt::format(
-      "{} and {} cannot be told apart: add a cross strip or a strip at another height",
+      "{} and {} cannot be separated: add a cross strip or a strip at another height",
       kAngleNames[fact.first], kAngleNames[fact.second]);
 }
 

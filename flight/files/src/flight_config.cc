@@ -23,9 +23,8 @@ fs::path ConfigFile(const fs::path& folder_or_file) {
   if (fs::is_directory(folder_or_file)) {
     fs::path file = folder_or_file / "flight.yaml";
     if (internal::IsThere(file)) return file;
-    throw InvalidConfig(
-        "the flight folder has no flight.yaml; docs/reference/flight.yaml is an example",
-        FileLocation{file.string(), 0, 0});
+    throw InvalidConfig("the flight folder has no flight.yaml; write one with dn init",
+                        FileLocation{file.string(), 0, 0});
   }
   if (internal::IsThere(folder_or_file)) return folder_or_file;
   throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");

@@ -81,8 +81,8 @@ Eigen::Vector3d ReadGeoreferencing(const YamlValue& value, const Eigen::Vector3d
   if (value.IsScalar()) {
     if (value.Text() == "boresight") return boresight_rad;
     value.Fail(
-        "must be `boresight` (lidar.boresight_deg as it stands here) or {boresight_deg: [roll, "
-        "pitch, yaw]}");
+        "must be `boresight` (the value of lidar.boresight_deg) or {boresight_deg: [roll, pitch, "
+        "yaw]}");
   }
   value.ExpectMap({"boresight_deg"});
   const Eigen::Vector3d deg = value["boresight_deg"].Vector3();

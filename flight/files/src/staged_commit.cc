@@ -88,11 +88,11 @@ std::vector<std::string> NamesInJournal(const fs::path& staging) {
   std::istringstream in(JournalText(staging));
   std::string name;
   if (!std::getline(in, name) || name != FirstLine(staging)) {
-    Refuse(staging, "it was written elsewhere");
+    Refuse(staging, "it was written for another folder");
   }
   ExpectNoLink(staging, staging / kReplaced);
   while (std::getline(in, name)) {
-    if (!IsResultName(name)) Refuse(staging, "a name in it is not that of a result file");
+    if (!IsResultName(name)) Refuse(staging, "it names a file that is not a result");
     for (const fs::path& from : {staging.parent_path(), staging, staging / kReplaced}) {
       ExpectNoLink(staging, (from / name).parent_path());
     }

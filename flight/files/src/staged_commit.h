@@ -6,7 +6,7 @@
 
 namespace dn::internal {
 
-/// Tells whether the path is a directory; false for a link to a directory.
+/// Returns whether the path is a directory; false for a link to a directory.
 bool IsRealDirectory(const std::filesystem::path& path);
 
 /// Moves files from a staging directory into the directory above it. If a file cannot be moved, the

@@ -48,8 +48,8 @@ VectorOrigin FindVectorOrigin(const StripReader& strip, const StripGeoreferencin
   if (recorded_rad && declared_rad &&
       (*recorded_rad - *declared_rad).cwiseAbs().maxCoeff() > kSameAngleRad) {
     throw InvalidConfig("the file records that it was georeferenced with the boresight " +
-                            AnglesText(*recorded_rad) + ", lidar.georeferenced_with says " +
-                            AnglesText(*declared_rad) + "; take the key out of flight.yaml",
+                            AnglesText(*recorded_rad) + ", but lidar.georeferenced_with says " +
+                            AnglesText(*declared_rad) + "; remove the key from flight.yaml",
                         {file.string()});
   }
   if (recorded_rad) return {Kind::kRecorded, *recorded_rad};

@@ -17,7 +17,7 @@ std::string ReadTextCrs(const YamlValue& crs) {
 bool ReadNorth(const YamlValue& north, const std::string& crs) {
   const bool grid = north.Choice(NorthWords());
   if (grid && crs.rfind("utm:", 0) != 0) {
-    north.Fail("grid needs positions in a grid; set crs to utm:ZONEn or utm:ZONEs");
+    north.Fail("grid needs coordinates in a UTM grid; set crs to utm:ZONEn or utm:ZONEs");
   }
   return grid;
 }

@@ -26,7 +26,9 @@ BlindContent DrawContent(Random& random) {
 Scenario DrawScenario(const std::string& base, Random& random) {
   Scenario scenario = ReadScenario(base);
   if (scenario.plan.replay) {
-    throw InvalidConfig("scenario '" + base + "' replays a trajectory; its lines cannot be drawn");
+    throw InvalidConfig(
+        "scenario '" + base +
+        "' replays a trajectory, so random lines are impossible; give one with plan.lines");
   }
   DrawLines(scenario.terrain.base_m, random, &scenario.plan);
   const double warm_up_s = random.Uniform(kShortestWarmUp_s, kLongestWarmUp_s);

@@ -19,7 +19,7 @@ inline std::string WordFromJson(const JsonPlace& json) {
   constexpr std::size_t kLongest = 200;
   std::string word = json.Text(kLongest);
   if (HasControls(word) || word.find_first_of(",\"") != std::string::npos)
-    json.Fail("is not a name");
+    json.Fail("must not contain commas, quotes or control characters");
   return word;
 }
 

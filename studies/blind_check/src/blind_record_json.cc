@@ -33,7 +33,7 @@ Effect EffectFromJson(const JsonPlace& json) {
   const EffectSpec* spec = FindEffect(effect.name);
   if (spec == nullptr) json.At("effect").Fail("is not an effect of the table");
   if (spec->components.size() != effect.value.size()) {
-    json.At("value").Fail("has not as many numbers as the effect");
+    json.At("value").Fail("has a different number of values than the effect");
   }
   if (json.Has("window_s")) {
     const JsonPlace window = json.At("window_s");
@@ -164,7 +164,7 @@ BlindRecord BlindRecordFromJson(const JsonPlace& json) {
   try {
     record.content = RecordContent(json.At("content").Text());
   } catch (const InvalidInput&) {
-    json.At("content").Fail("is not a word for what a flight contains");
+    json.At("content").Fail("is not one of the known contents of a flight");
   }
   for (const JsonPlace& effect : json.At("effects").Elements()) {
     record.effects.push_back(EffectFromJson(effect));
@@ -179,7 +179,7 @@ BlindRecord BlindRecordFromJson(const JsonPlace& json) {
   record.diagnosis = OutcomeFromJson<BlindDiagnosis>(json.At("diagnosis"));
   record.calibrated = OutcomeFromJson<BlindCalibration>(json.At("calibrated"));
   record.adapted = OutcomeFromJson<BlindCalibration>(json.At("adapted"));
-  if (!FitsContent(record)) json.At("content").Fail("does not fit the effects and the outsider");
+  if (!FitsContent(record)) json.At("content").Fail("contradicts the keys effects and outsider");
   return record;
 }
 

@@ -20,8 +20,9 @@ constexpr double kPoseSpacingS = 0.05;  // for an INS/GNSS solution
 constexpr std::size_t kFewestGnssEpochs = 3;
 
 [[noreturn]] void FailWithoutPairs(const std::string& why) {
-  throw RankDeficient("the boresight is not observable: " + why +
-                      ". Fly at least two strips that overlap, best one across the others");
+  throw RankDeficient(
+      "the boresight is not observable: " + why +
+      ". Fly at least two strips that overlap, preferably with one across the others");
 }
 
 void FreeUnknowns(const DesignOptions& options, Flight* flight) {

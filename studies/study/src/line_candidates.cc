@@ -43,7 +43,8 @@ LineCandidates LineCandidates::Parse(const std::string& yaml_text, const std::st
   root.ExpectMap({"base", "estimate", "target_deg", "lines"});
   const BaseScenario base = ReadBaseScenario(root["base"], where);
   const Scenario as_it_is = ParseScenario(base.text, base.path);
-  if (as_it_is.plan.replay) root["base"].Fail("flies a replay, which has no lines to choose from");
+  if (as_it_is.plan.replay)
+    root["base"].Fail("replays a trajectory, which has no lines to choose from");
   if (as_it_is.pairs.count == 0) root["base"].Fail("has no pairs of points");
   LineCandidates candidates;
   const std::string lines_yaml = LinesYaml(root["lines"], &candidates.names);

@@ -33,7 +33,7 @@ SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   for (const SweepValue& value : key.values) {
     if (HasControls(value.label)) {
       values.Fail("the name '" + WithoutControls(value.label) +
-                  "' holds a line break or another control character");
+                  "' contains a line break or another control character");
     }
     if (!labels.insert(value.label).second) {
       values.Fail("the value '" + value.label + "' is given twice");

@@ -1,4 +1,4 @@
-// says: a function is added with the noise of what it returns
+// says: a function needs the noise of its result
 #include <dn/network.h>
 
 int main() {

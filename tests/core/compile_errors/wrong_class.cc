@@ -1,4 +1,4 @@
-// says: the first argument of the factor's base class
+// says: the first template argument of the base class
 #include <dn/network.h>
 
 struct First : dn::AutoFactor<First, 1, dn::Vec<3>> {

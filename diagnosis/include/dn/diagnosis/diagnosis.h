@@ -128,7 +128,7 @@ struct GapVerdict {
   bool unknown = false;                   ///< no effect explains a part of the gap
   std::optional<GapImplausible> implausible;
   std::string tie_breaker;  ///< what to fly to separate the members of a group
-  std::string text;         ///< one sentence that tells the user what to do
+  std::string text;         ///< one sentence that says what the user should do
 };
 
 /// A statistic of the flight, with its distribution over replicates without and with the effects.

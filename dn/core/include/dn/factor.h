@@ -116,7 +116,7 @@ class AutoFactor : public Factor<Derived, R, Kinds...> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     static_assert(std::is_base_of_v<AutoFactor, Derived>,
-                  "AutoFactor: the first argument must be the class that derives from it");
+                  "AutoFactor: the first template argument must be the class that derives from it");
     const auto residual = [this](const auto* blocks, auto* out) {
       return this->Call(blocks, out, std::index_sequence_for<Kinds...>{});
     };
@@ -177,8 +177,9 @@ class DynamicAutoFactor : public DynamicFactor {
   using Self = Derived;
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
-    static_assert(std::is_base_of_v<DynamicAutoFactor, Derived>,
-                  "DynamicAutoFactor: the argument must be the class that derives from it");
+    static_assert(
+        std::is_base_of_v<DynamicAutoFactor, Derived>,
+        "DynamicAutoFactor: the template argument must be the class that derives from it");
     const auto residual = [this](const auto* blocks, auto* out) {
       return static_cast<const Derived&>(*this).Residual(blocks, out);
     };

@@ -44,7 +44,7 @@ struct ResidualSizes {
   static_assert(
       kReturned == kNoise,
       "Network::Add: the function returns a different number of residuals than its Noise<R> "
-      "has: see SizesOf<returned, R> in this message");
+      "has: see ResidualSizes<returned, R> in this message");
   static constexpr bool kEqual = kReturned == kNoise;
 };
 
@@ -60,8 +60,8 @@ bool Unpack(const Result& result, std::array<T, R>* f) {
         "Network::Add: the function returns an Eigen expression, which may refer to values "
         "that no longer exist: end it with .eval()");
     static_assert(std::is_same_v<typename Result::Scalar, T>,
-                  "Network::Add: the result of the function does not depend on the blocks' type of "
-                  "numbers, so it cannot be differentiated");
+                  "Network::Add: the result of the function does not have the scalar type of its "
+                  "blocks, so it cannot be differentiated: do not convert it to double");
     static_assert(Result::SizeAtCompileTime != Eigen::Dynamic && Result::ColsAtCompileTime == 1,
                   "Network::Add: the function must return a number or a vector of fixed size");
     static_assert(ResidualSizes<Result::SizeAtCompileTime, R>::kEqual);
@@ -73,8 +73,8 @@ bool Unpack(const Result& result, std::array<T, R>* f) {
         "Network::Add: the function must return a number or a vector of fixed size (Eigen, "
         "or std::optional of one)");
     static_assert(std::is_same_v<Result, T>,
-                  "Network::Add: the result of the function does not depend on the blocks' type of "
-                  "numbers, so it cannot be differentiated");
+                  "Network::Add: the result of the function does not have the scalar type of its "
+                  "blocks, so it cannot be differentiated: do not convert it to double");
     static_assert(ResidualSizes<1, R>::kEqual);
     (*f)[0] = result;
     return true;

@@ -127,12 +127,12 @@ class Network {
   template <class F, class... Kinds>
   FactorId Add(F factor, Block<Kinds>... blocks) {
     static_assert(std::is_base_of_v<FactorBase, F>,
-                  "Network::Add: this is not a factor; a function is added with the noise of what "
-                  "it returns: Add(function, Noise<R>::Sigma(..), blocks...)");
+                  "Network::Add: the first argument is not a factor; a function needs the noise of "
+                  "its result: Add(function, Noise<R>::Sigma(..), blocks...)");
     if constexpr (std::is_base_of_v<FactorBase, F>) {
       static_assert(std::is_base_of_v<typename F::Self, F>,
-                    "Network::Add: the first argument of the factor's base class Factor or "
-                    "AutoFactor is not the factor itself");
+                    "Network::Add: the first template argument of the base class Factor or "
+                    "AutoFactor must be the class of the factor itself");
       static_assert(
           std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
           "Network::Add: the blocks do not match the factor's block table, see its header");

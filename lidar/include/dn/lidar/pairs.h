@@ -41,7 +41,7 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// Vectors count as measured unless a comment line of the file states otherwise (FormatOriginLine).
 ///
 /// A pair with the epochs and vectors of an earlier pair is not a second measurement: it is dropped
-/// and counted. This also holds if i and j are exchanged or the pair is in another file.
+/// and counted. This also applies if i and j are exchanged or the pair is in another file.
 ///
 /// time_offset_s: known error of the epochs (tag = t + time_offset_s), subtracted first.
 ///

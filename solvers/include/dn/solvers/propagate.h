@@ -42,7 +42,7 @@ auto AsVector(const Result& result) {
     return Eigen::Matrix<Jet, 1, 1>(Jet(result));
   } else {
     static_assert(Result::ColsAtCompileTime == 1 && Result::RowsAtCompileTime > 0,
-                  "Propagate: the function gives a number or a vector of fixed size");
+                  "Propagate: the function must return a number or a vector of fixed size");
     return Eigen::Matrix<Jet, Result::RowsAtCompileTime, 1>(result);
   }
 }

@@ -113,7 +113,7 @@ const std::string& EffectName(EffectId id);
 /// Returns the effect of this name; nullptr if there is no such effect.
 const EffectSpec* FindEffect(std::string_view name);
 
-/// Tells whether `name` is the name of this effect.
+/// Returns whether `name` is the name of this effect.
 bool IsEffect(std::string_view name, EffectId id);
 
 /// Returns the names of all effects, or of those of one kind, in the order of the table.

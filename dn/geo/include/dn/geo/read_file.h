@@ -17,7 +17,7 @@ inline constexpr std::uintmax_t kMaxYamlBytes = std::uintmax_t{1} << 20;
 /// `max_bytes`.
 void ExpectRegularFile(const std::filesystem::path& file, std::uintmax_t max_bytes = kMaxFileBytes);
 
-/// Tells whether the path is a symbolic link that leads back to itself, perhaps over other links.
+/// Returns whether the path is a symbolic link that leads back to itself, perhaps over other links.
 bool IsCircularLink(const std::filesystem::path& path);
 
 /// Returns all bytes of a file. Throws InvalidInput as ExpectRegularFile does, and if the file

@@ -47,7 +47,7 @@ struct VarianceTooLarge {
   GroupCheck group;
 };
 
-/// Residuals share errors, but the model assumes that they are independent.
+/// Residuals have common errors, but the model assumes that they are independent.
 struct ErrorsShared {
   CommonErrorCheck common;
 };

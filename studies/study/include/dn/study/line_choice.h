@@ -30,8 +30,8 @@ struct LineCandidates {
   double pairs_per_line = 0.0;  ///< as in the base scenario
 
   /// Reads the candidates. `where` is the file, named in messages. Throws InvalidConfig for an
-  /// unknown key, an invalid base, and a base that flies a replay. Also throws for fewer than 2 or
-  /// more than 12 lines, lines that cannot be flown, and a target that is not positive.
+  /// unknown key, an invalid base, and a base that replays a trajectory. Also throws for fewer
+  /// than 2 or more than 12 lines, lines that cannot be flown, and a target that is not positive.
   static LineCandidates Parse(const std::string& yaml_text, const std::string& where);
 
   /// Returns the scenario with some of the lines, by index and in this order.
