@@ -27,8 +27,8 @@ using ::testing::HasSubstr;
 constexpr double kWorstNees = 24.0;
 constexpr double kSigmas = 4.0;
 constexpr std::uint64_t kSeed = 3;
-// Without an early end these flights would take many clock steps and screenings, with several solutions
-// each.
+// Without an early end these flights would take many clock steps and screenings, with several
+// solutions each.
 constexpr int kMostIterations = 500;
 
 /// Every fault is tested with a small drone and with an aircraft with a navigation-grade sensor.

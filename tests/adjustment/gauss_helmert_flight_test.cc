@@ -370,7 +370,8 @@ TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
   const double stated_rad = std::sqrt(5e-9);
   EXPECT_GT(gh.boresight.sigma_rad().x(), 0.3 * stated_rad);
   EXPECT_LT(gh.boresight.sigma_rad().x(), 1.1 * stated_rad);
-  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("according to trajectory_covariance.txt")));
+  EXPECT_THAT(Words(gh.boresight.reasons),
+              Contains(HasSubstr("according to trajectory_covariance.txt")));
 }
 
 // ---- Bad input ----------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
-#include <dn/error.h>
 #include <dn/blind_check/blind_record.h>
+#include <dn/error.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

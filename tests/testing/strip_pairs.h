@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/rotation.h>
 #include <dn/fixed_trajectory/gauss_helmert.h>
+#include <dn/rotation.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

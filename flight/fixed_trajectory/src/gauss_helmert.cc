@@ -1,7 +1,7 @@
 #include <dn/error.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
-#include <dn/fixed_trajectory/gauss_helmert.h>
 #include <dn/solvers/robust_loss.h>
 
 #include <Eigen/Cholesky>

@@ -1,5 +1,5 @@
-#include <dn/rotation.h>
 #include <dn/fixed_trajectory/plane_adjustment.h>
+#include <dn/rotation.h>
 
 #include "gauss_helmert_pair.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/files/flight.h>
 #include <dn/diagnosis/diagnosis.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 
 #include <cstdint>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <dn/builder/flight_network.h>
-#include <dn/builder/flight_nodes.h>
 #include <dn/adjustment/clocks.h>
 #include <dn/adjustment/finding.h>
+#include <dn/builder/flight_network.h>
+#include <dn/builder/flight_nodes.h>
 #include <dn/error.h>
 #include <dn/files/flight.h>
 #include <dn/interrupted.h>
