@@ -14,7 +14,7 @@ template <class T>
 class SharedList {
  public:
   SharedList() = default;
-  // NOLINT(google-explicit-constructor): implicit conversion is intended.
+  // NOLINTNEXTLINE(google-explicit-constructor): implicit conversion is intended.
   SharedList(std::vector<T> elements) {
     if (elements.empty()) return;
     elements_ = std::make_shared<const std::vector<T>>(std::move(elements));
