@@ -13,15 +13,6 @@ using ::testing::AnyOf;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-// The shadow memory of the address sanitizer needs terabytes of address space.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kMemoryCanBeLimited = false;
-#elif defined(__has_feature)
-constexpr bool kMemoryCanBeLimited = !__has_feature(address_sanitizer);
-#else
-constexpr bool kMemoryCanBeLimited = true;
-#endif
-
 ProgramOptions CalibrateInto(const TempFolder& folder) {
   ProgramOptions options;
   options.arguments = {"calibrate", ShortFlight().string(), "--out",

@@ -50,7 +50,7 @@ void BecomeNobody() {
   const int err_file = options.err_file ? ::open(options.err_file->c_str(), O_WRONLY) : -1;
   ::dup2(options.err_file ? err_file : err.ends[1], STDERR_FILENO);
   Limit(RLIMIT_FSIZE, options.max_file_bytes);
-  Limit(RLIMIT_AS, options.max_memory_bytes);
+  if (kMemoryCanBeLimited) Limit(RLIMIT_AS, options.max_memory_bytes);
   Limit(RLIMIT_NPROC, options.max_threads);
   // Leak detection starts a thread of its own.
   if (options.max_threads) ::setenv("ASAN_OPTIONS", "detect_leaks=0", 1);

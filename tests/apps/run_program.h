@@ -18,6 +18,15 @@ struct ProgramRun {
   double end_after_signal_s = 0.0;
 };
 
+// The shadow memory of the address sanitizer needs terabytes of address space.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kMemoryCanBeLimited = false;
+#elif defined(__has_feature)
+constexpr bool kMemoryCanBeLimited = !__has_feature(address_sanitizer);
+#else
+constexpr bool kMemoryCanBeLimited = true;
+#endif
+
 struct ProgramOptions {
   std::vector<std::string> arguments;
   /// File for stdout, instead of ProgramRun::out.
@@ -28,7 +37,7 @@ struct ProgramOptions {
   std::vector<int> closed_streams;
   /// Size limit of files that the program writes, which acts like a full disk.
   std::optional<long> max_file_bytes;
-  /// Limit of the program's address space.
+  /// Limit of the program's address space; ignored unless kMemoryCanBeLimited.
   std::optional<long> max_memory_bytes;
   /// Limit of processes and threads of the user. Since it does not apply to root, root runs the
   /// program as user nobody.

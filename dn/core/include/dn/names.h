@@ -17,7 +17,7 @@ std::string JoinNames(const std::vector<std::string>& names);
 bool HasControls(std::string_view text);
 
 /// Returns a word as a POSIX shell must read it: unchanged if possible, else in quotes. A word with
-/// control characters is written as bash, zsh and ksh read it, $'\xNN'.
+/// control characters is written with hexadecimal escapes, as bash, zsh and ksh read them.
 std::string QuoteForShell(std::string_view word);
 
 /// Returns the text with a blank in place of every control character, so that it fits on one line
