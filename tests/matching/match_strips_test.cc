@@ -54,7 +54,7 @@ TEST_F(BareStrips, ADistanceFarBelowThatOfThePointsIsRefused) {
     options.gsd_m = gsd_m;
     EXPECT_THROW(MatchBareStrips(&source, options), InvalidConfig) << gsd_m;
     testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); },
-                             "has one point in 0.54 m by 0.54 m", "1.txt");
+                             "has one point per 0.54 m by 0.54 m", "1.txt");
   }
 }
 
