@@ -241,7 +241,7 @@ Eigen::Vector3d JsonPlace::Vector3() const {
 }
 
 Eigen::Vector3d JsonPlace::FiniteVector3() const {
-  const Eigen::Vector3d vector = Vector3();
+  Eigen::Vector3d vector = Vector3();
   if (!vector.allFinite()) Fail("is not a list of three numbers");
   return vector;
 }
