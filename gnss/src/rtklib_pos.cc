@@ -14,6 +14,9 @@
 namespace dn::internal {
 namespace {
 
+// A value above this is not a time; whole weeks are computed from it.
+constexpr double kMostTimeOfWeekS = 1e9;
+
 using Fields = std::vector<std::string_view>;
 
 Fields Split(std::string_view line) {
@@ -207,6 +210,9 @@ class PosParser {
 
   double Time(const Fields& fields) {
     const GpsTime time = ToGpsTime(ParseTime(fields[0], fields[1], Here()), header_->time_system);
+    if (!(std::abs(time.tow_s) <= kMostTimeOfWeekS)) {
+      throw InvalidInput("the time of week is beyond 1e9 s", Here());
+    }
     if (table_.lines.empty()) {
       first_week_ = time.week + static_cast<long>(std::floor(time.tow_s / kWeekS));
     }
