@@ -55,7 +55,8 @@ TEST(ImpliedImu, LeadsFromTheFirstPoseToTheLast) {
 
 TEST(ImpliedImu, TooShortAMotionIsNamed) {
   const EarthMotion motion = PlaneMotion();
-  testing::ExpectInvalid([&] { ImpliedImu(motion.frame, {}, kRateHz); }, "too short for a sample", 0);
+  testing::ExpectInvalid([&] { ImpliedImu(motion.frame, {}, kRateHz); }, "too short for a sample",
+                         0);
   testing::ExpectInvalid([&] { ImpliedImu(motion.frame, Poses(motion, 0.0), 0.0); }, "0.0", 0);
 }
 
