@@ -170,7 +170,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
       "blind-check",
       "Simulates flights with random effects, diagnoses each with dn gap and scores the diagnoses");
   app->add_option("--flights", options->flights, "Number of simulated flights")
-      ->check(WholeNumber(1, 1000000))
+      ->check(WholeNumber(1, kMostFlights))
       ->capture_default_str();
   app->add_option("--seed", options->seed, "Seed of the random flights and their effects")
       ->check(WholeNumber(0))

@@ -143,7 +143,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
   app->add_option("SCENARIO", options->scenario, "Scenario file or name of a shipped scenario")
       ->required();
   app->add_option("--flights", options->flights, "Number of simulated flights")
-      ->check(WholeNumber(1, 1000000))
+      ->check(WholeNumber(1, kMostFlights))
       ->capture_default_str();
   app->add_option("--seed", options->first_seed,
                   "Seed of the first flight; each further flight adds 1")

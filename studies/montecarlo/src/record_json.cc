@@ -1,5 +1,4 @@
 #include <dn/montecarlo/flight_record.h>
-#include <dn/report/json_numbers.h>
 
 #include <Eigen/Cholesky>
 
