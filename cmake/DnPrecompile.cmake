@@ -4,6 +4,7 @@
 # includes the headers it uses.
 option(DN_PRECOMPILE "Precompile the heavy headers of the dependencies" ON)
 
+set(DN_EIGEN_ALIGNMENT EIGEN_MAX_ALIGN_BYTES=16)
 set(DN_HEAVY_HEADERS
   <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>
   <Eigen/SVD>
@@ -18,6 +19,7 @@ function(dn_add_precompiled name)
   add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cc)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_link_libraries(${name} PRIVATE Eigen3::Eigen Ceres::ceres ${A_LINK} dn_dev_flags)
+  target_compile_definitions(${name} PRIVATE ${DN_EIGEN_ALIGNMENT})
   target_precompile_headers(${name} PRIVATE ${DN_HEAVY_HEADERS} ${A_HEADERS})
   if(A_POSITION_INDEPENDENT)
     set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)

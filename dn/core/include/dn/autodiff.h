@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ceres/jet.h>
+#include <dn/eigen_alignment.h>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <dn/eigen_alignment.h>
+
 #include <Eigen/Core>
 
 namespace dn {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/eigen_alignment.h>
 #include <dn/shared_list.h>
 
 #include <Eigen/Core>

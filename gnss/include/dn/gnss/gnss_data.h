@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/eigen_alignment.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_coordinates.h>
 

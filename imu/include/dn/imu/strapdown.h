@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/eigen_alignment.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>

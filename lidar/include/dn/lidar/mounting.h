@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/eigen_alignment.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/eigen_alignment.h>
 #include <dn/imu/imu_model.h>
 
 #include <Eigen/Core>
