@@ -3,7 +3,6 @@
 #include <dn/error.h>
 
 #include <new>
-#include <stdexcept>
 #include <string>
 
 namespace dn {
@@ -22,8 +21,8 @@ void CholmodCommon::Check(const char* step) const {
     throw InvalidInput("marginals: the factor of the normal matrix is too large; use fewer nodes");
   }
   if (common_.status < CHOLMOD_OK) {
-    throw std::runtime_error(std::string("marginals: CHOLMOD failed while ") + step + ", status " +
-                             std::to_string(common_.status));
+    throw Error(std::string("marginals: CHOLMOD failed while ") + step + ", status " +
+                std::to_string(common_.status));
   }
 }
 

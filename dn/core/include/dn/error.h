@@ -16,12 +16,19 @@ struct FileLocation {
   std::string ToString() const;
 };
 
+/// Base class of the exceptions of dn. Only memory and files that fail give others:
+/// std::bad_alloc and std::filesystem::filesystem_error.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Invalid input that can never work: bad data, shape, value or name. The message gives the item,
 /// its value and its bound; `where` gives file and line if the input came from a file.
-class InvalidInput : public std::runtime_error {
+class InvalidInput : public Error {
  public:
   explicit InvalidInput(const std::string& what, FileLocation where = {})
-      : std::runtime_error(what), where_(std::move(where)) {}
+      : Error(what), where_(std::move(where)) {}
 
   const FileLocation& where() const { return where_; }
 
@@ -38,9 +45,9 @@ class InvalidConfig : public InvalidInput {
 
 /// The measurements contain no information on some unknown. The message names the unknowns and
 /// their epochs in the field's terms, and says what would determine them.
-class RankDeficient : public std::runtime_error {
+class RankDeficient : public Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 }  // namespace dn

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <stdexcept>
+#include <dn/error.h>
 
 namespace dn {
 
 /// Thrown if the user stopped the work.
-class Interrupted : public std::runtime_error {
+class Interrupted : public Error {
  public:
-  Interrupted() : std::runtime_error("interrupted") {}
+  Interrupted() : Error("interrupted") {}
 };
 
 }  // namespace dn

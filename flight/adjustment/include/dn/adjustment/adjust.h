@@ -53,9 +53,9 @@ struct AdjustOptions {
 };
 
 /// Thrown if the adjustment did not converge; the message names the stage and the observed values.
-class NotConverged : public std::runtime_error {
+class NotConverged : public Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 /// Inertial data and GNSS that no choice of states and biases brings together: wrong axes, units,

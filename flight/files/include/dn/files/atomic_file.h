@@ -1,7 +1,8 @@
 #pragma once
 
+#include <dn/error.h>
+
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,9 +16,9 @@ void WriteFileAtomically(const std::filesystem::path& path, std::string_view con
 
 /// Thrown if a directory cannot take results: another run is writing into it, or a folder has the
 /// name of a result file.
-class UnusableOutput : public std::runtime_error {
+class UnusableOutput : public Error {
  public:
-  using std::runtime_error::runtime_error;
+  using Error::Error;
 };
 
 /// Returns whether a results folder may contain a file of this name: FILE or FOLDER/FILE, relative,
