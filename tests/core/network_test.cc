@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 namespace dn::network_test {
 
@@ -61,6 +63,30 @@ TEST(Network, AddressesOfValuesAreStable) {
   const Network moved = std::move(net);
   EXPECT_EQ(moved.block(first.id).value.get(), address);
 }
+
+static_assert(std::is_nothrow_move_constructible_v<Network>);
+static_assert(std::is_nothrow_move_assignable_v<Network>);
+
+TEST(Network, IsEmptyAndUsableAfterAMove) {
+  Network net;
+  net.AddScalar("a", 1.0);
+  const Network moved = std::move(net);
+  EXPECT_EQ(moved.num_blocks(), 1);
+  net = Network(std::move(net));
+  EXPECT_EQ(net.num_blocks(), 0);
+  const auto a = net.AddScalar("a", 2.0);
+  const FactorId f = net.Add([](const auto& x) { return x - 1.0; }, Noise<1>::Sigma(1.0), a);
+  EXPECT_EQ(net.group(f).name, "");
+}
+
+// A constant network gives read access only.
+template <class N>
+using StoredNumber = decltype(std::declval<N&>().block(0).value[0]);
+template <class N>
+using StoredNumbers = decltype(std::declval<N&>().block(0).value.get());
+static_assert(std::is_same_v<StoredNumber<const Network>, double>);
+static_assert(std::is_same_v<StoredNumbers<const Network>, const double*>);
+static_assert(std::is_same_v<StoredNumber<Network>, double&>);
 
 TEST(Network, RejectsBadBlocks) {
   Network net;

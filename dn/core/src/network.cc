@@ -30,16 +30,20 @@ Eigen::VectorXd OnManifold(const BlockRecord& record, const double* value) {
   return x;
 }
 
+std::unique_ptr<BlockRecord> CopyRecord(const BlockRecord& record) {
+  const int size = record.kind.stored_size;
+  auto copy = std::make_unique<BlockRecord>(
+      BlockRecord{record.name, record.kind, StoredValue(size), record.held, record.label});
+  std::copy_n(record.value.get(), size, copy->value.get());
+  return copy;
+}
+
 }  // namespace
 
 Network::Network(const Network& other)
     : factors_(other.factors_), by_name_(other.by_name_), groups_(other.groups_) {
-  for (const BlockRecord& block : other.blocks_) {
-    const auto size = static_cast<std::size_t>(block.kind.stored_size);
-    blocks_.push_back(
-        {block.name, block.kind, std::make_unique<double[]>(size), block.held, block.label});
-    std::copy_n(block.value.get(), size, blocks_.back().value.get());
-  }
+  blocks_.reserve(other.blocks_.size());
+  for (const auto& block : other.blocks_) blocks_.push_back(CopyRecord(*block));
 }
 
 Network& Network::operator=(const Network& other) {
@@ -58,11 +62,8 @@ Block<LeftRotation> Network::AddLeftRotation(const std::string& name, const Eige
 BlockId Network::AddStored(const std::string& name, const BlockKind& kind, const double* value) {
   const BlockId id = num_blocks();
   if (by_name_.contains(name)) throw InvalidInput("network: block name '" + name + "' is taken");
-  blocks_.push_back({name,
-                     kind,
-                     std::make_unique<double[]>(static_cast<std::size_t>(kind.stored_size)),
-                     false,
-                     {}});
+  blocks_.push_back(std::make_unique<BlockRecord>(
+      BlockRecord{name, kind, StoredValue(kind.stored_size), false, {}}));
   try {
     SetRaw(id, value);
   } catch (...) {
@@ -104,6 +105,7 @@ FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
     }
   }
   const FactorId id = num_factors();
+  if (groups_.empty()) groups_.emplace_back();  // this network was moved from
   factors_.push_back({});
   factors_.back().factor = std::move(factor);
   factors_.back().blocks = blocks;
@@ -171,7 +173,7 @@ void Network::CheckKind(BlockId id, const BlockKind& kind) const {
 BlockId Network::Find(const std::string& name) const {
   if (const auto it = by_name_.find(name); it != by_name_.end()) return it->second;
   std::vector<std::string> names;
-  for (const BlockRecord& record : blocks_) names.push_back(record.name);
+  for (const auto& record : blocks_) names.push_back(record->name);
   throw InvalidInput("network: there is no block '" + name + "'; the nearest name is '" +
                      NearestName(name, names) + "'");
 }
@@ -179,7 +181,7 @@ BlockId Network::Find(const std::string& name) const {
 const BlockRecord& Network::block(BlockId id) const {
   if (id < 0 || id >= num_blocks())
     throw InvalidInput("network: no block with id " + std::to_string(id));
-  return blocks_[static_cast<std::size_t>(id)];
+  return *blocks_[static_cast<std::size_t>(id)];
 }
 
 BlockRecord& Network::block(BlockId id) {
@@ -206,7 +208,7 @@ FactorRecord& Network::factor_mutable(FactorId id) {
 
 int Network::num_free_parameters() const {
   int n = 0;
-  for (const BlockRecord& record : blocks_) n += record.held ? 0 : record.kind.tangent_size;
+  for (const auto& record : blocks_) n += record->held ? 0 : record->kind.tangent_size;
   return n;
 }
 

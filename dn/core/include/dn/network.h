@@ -8,7 +8,7 @@
 #include <dn/manifold.h>
 #include <dn/pose.h>
 
-#include <deque>
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <string>
@@ -52,11 +52,25 @@ struct BlockLabel {
   double t_s = std::numeric_limits<double>::quiet_NaN();  ///< epoch; NaN for a constant block
 };
 
+/// The stored numbers of a block. A constant object gives only read access to them.
+class StoredValue {
+ public:
+  StoredValue() = default;
+  explicit StoredValue(int size) : x_(new double[static_cast<std::size_t>(size)]) {}
+  double* get() { return x_.get(); }
+  const double* get() const { return x_.get(); }
+  double& operator[](int i) { return x_[static_cast<std::size_t>(i)]; }
+  double operator[](int i) const { return x_[static_cast<std::size_t>(i)]; }
+
+ private:
+  std::unique_ptr<double[]> x_;
+};
+
 /// A block as stored in the network.
 struct BlockRecord {
   std::string name;
   BlockKind kind;
-  std::unique_ptr<double[]> value;
+  StoredValue value;
   bool held = false;
   BlockLabel label;
 };
@@ -83,8 +97,9 @@ struct FactorRecord {
 class Network {
  public:
   Network() = default;
-  Network(Network&&) = default;
-  Network& operator=(Network&&) = default;
+  /// The network that was moved from is empty.
+  Network(Network&&) noexcept = default;
+  Network& operator=(Network&&) noexcept = default;
   Network(const Network& other);
   Network& operator=(const Network& other);
   ~Network() = default;
@@ -259,7 +274,7 @@ class Network {
   [[noreturn]] void NameException(FactorId id) const;
   void CheckKind(BlockId id, const BlockKind& kind) const;
 
-  std::deque<BlockRecord> blocks_;
+  std::vector<std::unique_ptr<BlockRecord>> blocks_;  // records stay at their addresses
   std::vector<FactorRecord> factors_;
   std::unordered_map<std::string, BlockId> by_name_;
   std::vector<FactorGroup> groups_{FactorGroup{""}};
