@@ -19,6 +19,7 @@ struct LinearizedNetwork::Impl {
     bool held;
     BlockLabel label;
     std::size_t value;  ///< offset in `values`
+    NetworkId network;
   };
 
   /// Data of every factor, active or not.

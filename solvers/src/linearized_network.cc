@@ -35,7 +35,8 @@ LinearizedNetwork::Impl::Impl(const Network& network, int num_threads)
   }
   for (BlockId b = 0; b < network.num_blocks(); ++b) {
     const BlockRecord& block = network.block(b);
-    blocks.push_back({block.name, block.kind, block.held, block.label, values.size()});
+    blocks.push_back(
+        {block.name, block.kind, block.held, block.label, values.size(), block.network});
     values.insert(values.end(), block.value.get(), block.value.get() + block.kind.stored_size);
   }
 }
@@ -182,6 +183,11 @@ LinearizedNetwork::Factor LinearizedNetwork::EvaluateFactorAt(FactorId factor) c
   const int edge = impl_->factor(factor).edge;
   if (edge < 0) return impl_->EvaluateIdleFactor(impl_->idle_factor(factor), factor);
   return impl_->ActiveFactor(impl_->linearization.edges()[static_cast<std::size_t>(edge)]);
+}
+
+void LinearizedNetwork::CheckHandle(BlockId block, const BlockKind& kind, NetworkId network) const {
+  const Impl::BlockInfo& info = impl_->block(block);
+  dn::CheckHandle(info.name, info.kind, info.network, kind, network);
 }
 
 const double* LinearizedNetwork::StoredValue(BlockId block) const {

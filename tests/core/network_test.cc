@@ -115,6 +115,47 @@ TEST(Network, RejectsHandlesOfAnotherNetwork) {
   EXPECT_THROW(one.Hold(Block<Rotation>{}), InvalidInput);
 }
 
+// The kinds and ids agree, so that only the identity of the network shows the mistake.
+TEST(Network, RejectsHandlesOfAnotherNetworkOfTheSameShape) {
+  Network one, other;
+  const auto a = one.AddScalar("a", 1.0);
+  const auto b = other.AddScalar("b", 2.0);
+  const auto names_the_mistake =
+      ThrowsMessage<InvalidInput>(HasSubstr("handle of a block of another network"));
+  EXPECT_THAT([&] { one.Value(b); }, names_the_mistake);
+  EXPECT_THAT([&] { one.SetValue(b, 3.0); }, names_the_mistake);
+  EXPECT_THAT([&] { one.Hold(b); }, names_the_mistake);
+  EXPECT_THAT([&] { one.Add([](const auto& x) { return x; }, Noise<1>::Sigma(1.0), b); },
+              names_the_mistake);
+  EXPECT_EQ(one.num_factors(), 0);
+  EXPECT_EQ(one.Value(a), 1.0);
+}
+
+TEST(Network, TakesHandlesOfItsOriginal) {
+  Network net;
+  const auto a = net.AddScalar("a", 1.0);
+  Network copy = net;
+  EXPECT_EQ(copy.Value(a), 1.0);
+  const auto of_copy = copy.AddScalar("b", 2.0);
+  const auto of_net = net.AddScalar("c", 3.0);
+  EXPECT_THROW(net.Value(of_copy), InvalidInput);
+  EXPECT_THROW(copy.Value(of_net), InvalidInput);
+  const Network moved = std::move(net);
+  EXPECT_EQ(moved.Value(a), 1.0);
+  EXPECT_EQ(moved.Value(of_net), 3.0);
+  net = Network();
+  const auto reused = net.AddScalar("a", 4.0);
+  EXPECT_THROW(moved.Value(reused), InvalidInput);
+}
+
+TEST(Network, FindsTypedHandles) {
+  Network net;
+  net.AddScalar("a", 1.0);
+  EXPECT_EQ(net.Value(net.Find<dn::Scalar>("a")), 1.0);
+  EXPECT_THAT([&] { net.Find<Vec<3>>("a"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("different kind")));
+}
+
 TEST(Network, FindsByNameOrNamesTheNearest) {
   Network net;
   net.AddVector<1>("gyro bias", Scalar(0.0));

@@ -53,6 +53,18 @@ struct Triangle {
   }
 };
 
+TEST(LinearizedNetwork, RejectsHandlesOfAnotherNetwork) {
+  Triangle one, other;
+  const LinearizedNetwork linearized(one.net);
+  const Marginals marginals(linearized);
+  EXPECT_EQ(linearized.Value(one.x[1]), one.net.Value(one.x[1]));
+  EXPECT_THROW(linearized.Value(other.x[1]), InvalidInput);
+  EXPECT_THROW(marginals.Sigma(other.x[1]), InvalidInput);
+  EXPECT_THROW(marginals.Covariance(one.x[0], other.x[1]), InvalidInput);
+  const Network copy = one.net;
+  EXPECT_EQ(Marginals(copy).Sigma(one.x[1]), marginals.Sigma(one.x[1]));
+}
+
 TEST(LinearizedNetwork, RowsAreThoseOfTheActiveFactors) {
   const Triangle triangle;
   const LinearizedNetwork linearized(triangle.net);

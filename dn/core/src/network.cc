@@ -2,10 +2,12 @@
 #include <dn/network.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -30,20 +32,52 @@ Eigen::VectorXd OnManifold(const BlockRecord& record, const double* value) {
   return x;
 }
 
+NetworkId NextNetworkId() {
+  static std::atomic<NetworkId> last = 0;
+  return ++last;
+}
+
 std::unique_ptr<BlockRecord> CopyRecord(const BlockRecord& record) {
   const int size = record.kind.stored_size;
-  auto copy = std::make_unique<BlockRecord>(
-      BlockRecord{record.name, record.kind, StoredValue(size), record.held, record.label});
+  auto copy = std::make_unique<BlockRecord>(BlockRecord{record.name, record.kind, StoredValue(size),
+                                                        record.held, record.label, record.network});
   std::copy_n(record.value.get(), size, copy->value.get());
   return copy;
 }
 
 }  // namespace
 
+Network::Network(Network&& other) noexcept
+    : id_(std::exchange(other.id_, 0)),
+      blocks_(std::move(other.blocks_)),
+      factors_(std::move(other.factors_)),
+      by_name_(std::move(other.by_name_)),
+      groups_(std::move(other.groups_)) {
+  other.Clear();
+}
+
+Network& Network::operator=(Network&& other) noexcept {
+  if (this == &other) return *this;
+  id_ = std::exchange(other.id_, 0);
+  blocks_ = std::move(other.blocks_);
+  factors_ = std::move(other.factors_);
+  by_name_ = std::move(other.by_name_);
+  groups_ = std::move(other.groups_);
+  other.Clear();
+  return *this;
+}
+
 Network::Network(const Network& other)
     : factors_(other.factors_), by_name_(other.by_name_), groups_(other.groups_) {
   blocks_.reserve(other.blocks_.size());
   for (const auto& block : other.blocks_) blocks_.push_back(CopyRecord(*block));
+}
+
+void Network::Clear() noexcept {
+  blocks_.clear();
+  factors_.clear();
+  by_name_.clear();
+  groups_.clear();
 }
 
 Network& Network::operator=(const Network& other) {
@@ -52,18 +86,19 @@ Network& Network::operator=(const Network& other) {
 }
 
 Block<Rotation> Network::AddRotation(const std::string& name, const Eigen::Quaterniond& q) {
-  return {AddStored(name, Rotation::kKind, q.coeffs().data())};
+  return Handle<Rotation>(AddStored(name, Rotation::kKind, q.coeffs().data()));
 }
 
 Block<LeftRotation> Network::AddLeftRotation(const std::string& name, const Eigen::Quaterniond& q) {
-  return {AddStored(name, LeftRotation::kKind, q.coeffs().data())};
+  return Handle<LeftRotation>(AddStored(name, LeftRotation::kKind, q.coeffs().data()));
 }
 
 BlockId Network::AddStored(const std::string& name, const BlockKind& kind, const double* value) {
   const BlockId id = num_blocks();
   if (by_name_.contains(name)) throw InvalidInput("network: block name '" + name + "' is taken");
+  if (id_ == 0) id_ = NextNetworkId();
   blocks_.push_back(std::make_unique<BlockRecord>(
-      BlockRecord{name, kind, StoredValue(kind.stored_size), false, {}}));
+      BlockRecord{name, kind, StoredValue(kind.stored_size), false, {}, id_}));
   try {
     SetRaw(id, value);
   } catch (...) {
@@ -162,10 +197,15 @@ void Network::SetLabel(BlockId id, BlockLabel label) {
   record.label = std::move(label);
 }
 
-void Network::CheckKind(BlockId id, const BlockKind& kind) const {
-  if (!(block(id).kind == kind)) {
+void CheckHandle(const std::string& name, const BlockKind& kind, NetworkId network,
+                 const BlockKind& expected_kind, NetworkId expected_network) {
+  if (expected_network != 0 && expected_network != network) {
+    throw InvalidInput("network: the handle of a block of another network is used for block '" +
+                       name + "' of this network; find the block by its name");
+  }
+  if (!(kind == expected_kind)) {
     throw InvalidInput(
-        "network: block '" + block(id).name +
+        "network: block '" + name +
         "' has a different kind than the handle; does the handle belong to another network?");
   }
 }

@@ -9,6 +9,7 @@
 #include <dn/pose.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -20,10 +21,17 @@
 
 namespace dn {
 
-/// Handle of a block of a known kind; it is valid only in the network that created it.
+/// Number of a network in this program; 0 for a block that was not added by a network.
+using NetworkId = std::uint64_t;
+
+/// Handle of a block of a known kind. It is valid in the network that created it, and in copies of
+/// that network.
 template <class Kind>
 struct Block {
   int id = -1;
+  /// The network that created the block; 0 if the handle was made from an id, which fits any
+  /// network with a block of this kind.
+  NetworkId network = 0;
 };
 
 using BlockId = int;
@@ -73,6 +81,7 @@ struct BlockRecord {
   StoredValue value;
   bool held = false;
   BlockLabel label;
+  NetworkId network = 0;  ///< the network that created the block; see Block
 };
 
 /// A factor as stored in the network. A removed factor is inactive and has neither factor nor
@@ -86,6 +95,11 @@ struct FactorRecord {
   double t_s = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Throws InvalidInput naming the block unless it has this kind and was created by this network (0:
+/// any). `name`, `kind` and `network` are those of the block.
+void CheckHandle(const std::string& name, const BlockKind& kind, NetworkId network,
+                 const BlockKind& expected_kind, NetworkId expected_network);
+
 /// A dynamic network: named blocks of unknowns and the factors (edges) between them.
 ///
 /// It only describes the problem; dn::Solve and dn::Marginals (layer solvers) operate on it. Blocks
@@ -93,13 +107,14 @@ struct FactorRecord {
 /// every report.
 ///
 /// A copy has its own values, losses and states, and the same ids, so that handles work for both.
-/// Factors never change and are shared.
+/// Handles of blocks that are added to one of them later are refused by the other. Factors never
+/// change and are shared.
 class Network {
  public:
   Network() = default;
   /// The network that was moved from is empty.
-  Network(Network&&) noexcept = default;
-  Network& operator=(Network&&) noexcept = default;
+  Network(Network&& other) noexcept;
+  Network& operator=(Network&& other) noexcept;
   Network(const Network& other);
   Network& operator=(const Network& other);
   ~Network() = default;
@@ -114,12 +129,12 @@ class Network {
   /// Adds N real numbers. Throws InvalidInput if the name is taken or a value is not finite.
   template <int N>
   Block<Vec<N>> AddVector(const std::string& name, const Eigen::Matrix<double, N, 1>& value) {
-    return {AddStored(name, Vec<N>::kKind, value.data())};
+    return Handle<Vec<N>>(AddStored(name, Vec<N>::kKind, value.data()));
   }
 
   /// Adds one real number. Throws as AddVector does.
   Block<Scalar> AddScalar(const std::string& name, double value) {
-    return {AddStored(name, Scalar::kKind, &value)};
+    return Handle<Scalar>(AddStored(name, Scalar::kKind, &value));
   }
 
   /// Adds a pose: rotation and translation in one block. Throws as AddRotation and AddVector do.
@@ -135,7 +150,7 @@ class Network {
                        const std::type_identity_t<BlockValue<Kind>>& value) {
     double x[Kind::kSize];
     StoreValue<Kind>(value, x);
-    return {AddStored(name, MakeBlockKind<Kind>(), x)};
+    return Handle<Kind>(AddStored(name, MakeBlockKind<Kind>(), x));
   }
 
   /// Adds a factor on blocks; a block of the wrong kind is a compile error.
@@ -151,7 +166,7 @@ class Network {
       static_assert(
           std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
           "Network::Add: the blocks do not match the factor's block table, see its header");
-      return AddFactor(std::make_shared<F>(std::move(factor)), {blocks.id...});
+      return AddFactor(std::make_shared<F>(std::move(factor)), {Id(blocks)...});
     }
   }
 
@@ -169,7 +184,7 @@ class Network {
   template <class Function, int R, class... Kinds>
   FactorId Add(Function function, const Noise<R>& noise, Block<Kinds>... blocks) {
     using F = FunctionFactor<Function, R, Kinds...>;
-    return AddFactor(std::make_shared<F>(std::move(function), noise), {blocks.id...});
+    return AddFactor(std::make_shared<F>(std::move(function), noise), {Id(blocks)...});
   }
 
   /// Adds the factor of a function of any number of blocks of one kind. The function takes the
@@ -178,7 +193,7 @@ class Network {
   FactorId Add(Function function, const Noise<R>& noise, const std::vector<Block<Kind>>& blocks) {
     using F = ListFunctionFactor<Function, R, Kind>;
     std::vector<BlockId> ids;
-    for (const Block<Kind> b : blocks) ids.push_back(b.id);
+    for (const Block<Kind> b : blocks) ids.push_back(Id(b));
     return AddFactor(std::make_shared<F>(std::move(function), noise, blocks.size()), ids);
   }
 
@@ -199,7 +214,7 @@ class Network {
   void Hold(BlockId id, bool held = true) { block(id).held = held; }
   template <class Kind>
   void Hold(Block<Kind> b, bool held = true) {
-    Hold(b.id, held);
+    Hold(Id(b), held);
   }
 
   /// Sets the group of a factor and its epoch (NaN: no epoch). Throws InvalidInput unless the group
@@ -215,28 +230,41 @@ class Network {
   void SetLoss(FactorId id, Loss loss);
   void SetActive(FactorId id, bool active) { factor_mutable(id).active = active; }
 
-  /// Returns the current value of a block. Throws InvalidInput if the handle does not match a block
-  /// of this network; a handle of another network is detected only if the kinds differ.
+  /// Returns the current value of a block. Throws InvalidInput if the handle belongs to another
+  /// network, or does not match a block of this network.
   template <class Kind>
   BlockValue<Kind> Value(Block<Kind> b) const {
-    CheckKind(b.id, MakeBlockKind<Kind>());
-    return BlockValue<Kind>(MakeView<Kind>(std::as_const(*this).block(b.id).value.get()));
+    return BlockValue<Kind>(MakeView<Kind>(std::as_const(*this).block(Id(b)).value.get()));
   }
 
   /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if it is not
   /// finite.
   template <class Kind>
   void SetValue(Block<Kind> b, const std::type_identity_t<BlockValue<Kind>>& value) {
-    CheckKind(b.id, MakeBlockKind<Kind>());
     double x[Kind::kSize];
     StoreValue<Kind>(value, x);
-    SetRaw(b.id, x);
+    SetRaw(Id(b), x);
   }
   void SetRaw(BlockId id, const double* value);
 
   /// Returns the block with this name. Throws InvalidInput naming the nearest existing name if
   /// there is no such block.
   BlockId Find(const std::string& name) const;
+  /// Returns the handle of the block with this name; also throws if the block has another kind.
+  template <class Kind>
+  Block<Kind> Find(const std::string& name) const {
+    const Block<Kind> found{Find(name)};
+    return Handle<Kind>(Id(found));
+  }
+
+  /// Returns the id of a block. Throws InvalidInput if the handle belongs to another network, or does
+  /// not match a block of this network.
+  template <class Kind>
+  BlockId Id(Block<Kind> b) const {
+    const BlockRecord& record = block(b.id);
+    CheckHandle(record.name, record.kind, record.network, MakeBlockKind<Kind>(), b.network);
+    return b.id;
+  }
 
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
   /// Returns the highest factor id plus one; removed factors are included.
@@ -268,12 +296,17 @@ class Network {
   bool EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const;
 
  private:
+  void Clear() noexcept;
   BlockId AddStored(const std::string& name, const BlockKind& kind, const double* value);
   FactorRecord& factor_mutable(FactorId id);
   const FactorRecord& factor_present(FactorId id) const;
   [[noreturn]] void NameException(FactorId id) const;
-  void CheckKind(BlockId id, const BlockKind& kind) const;
+  template <class Kind>
+  Block<Kind> Handle(BlockId id) const {
+    return {id, block(id).network};
+  }
 
+  NetworkId id_ = 0;                                  // 0 until the first block is added
   std::vector<std::unique_ptr<BlockRecord>> blocks_;  // records stay at their addresses
   std::vector<FactorRecord> factors_;
   std::unordered_map<std::string, BlockId> by_name_;

@@ -97,7 +97,14 @@ class LinearizedNetwork {
   /// Returns the value of a block in the snapshot.
   template <class Kind>
   BlockValue<Kind> Value(Block<Kind> b) const {
-    return BlockValue<Kind>(MakeView<Kind>(StoredValue(b.id)));
+    return BlockValue<Kind>(MakeView<Kind>(StoredValue(Id(b))));
+  }
+  /// Returns the id of a block. Throws InvalidInput if the handle belongs to a network other than
+  /// the linearised one and its copies.
+  template <class Kind>
+  BlockId Id(Block<Kind> b) const {
+    CheckHandle(b.id, MakeBlockKind<Kind>(), b.network);
+    return b.id;
   }
   /// Returns the stored coordinates of a block in the snapshot.
   const double* StoredValue(BlockId block) const;
@@ -111,6 +118,7 @@ class LinearizedNetwork {
 
  private:
   explicit LinearizedNetwork(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+  void CheckHandle(BlockId block, const BlockKind& kind, NetworkId network) const;
 
   std::shared_ptr<const Impl> impl_;
 };

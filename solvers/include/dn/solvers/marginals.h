@@ -98,7 +98,7 @@ class Marginals {
   Eigen::MatrixXd Covariance(BlockId a) const;
   template <class Kind>
   Eigen::Matrix<double, Kind::kTangentSize, Kind::kTangentSize> Covariance(Block<Kind> a) const {
-    return Covariance(a.id);
+    return Covariance(linearized().Id(a));
   }
 
   /// Returns the standard deviations of a block in its tangent coordinates; a plain number for a
@@ -120,7 +120,7 @@ class Marginals {
   template <class KindA, class KindB>
   Eigen::Matrix<double, KindA::kTangentSize, KindB::kTangentSize> Covariance(Block<KindA> a,
                                                                              Block<KindB> b) const {
-    return Covariance(a.id, b.id);
+    return Covariance(linearized().Id(a), linearized().Id(b));
   }
 
   /// Returns the covariance columns of some blocks: one pair of triangular solves per column.

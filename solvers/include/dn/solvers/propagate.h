@@ -20,7 +20,8 @@ Eigen::MatrixXd Joint(const Marginals& marginals, const std::vector<BlockId>& bl
 template <class... Kinds>
 auto Joint(const Marginals& marginals, Block<Kinds>... blocks) {
   constexpr int kSize = (Kinds::kTangentSize + ...);
-  return Eigen::Matrix<double, kSize, kSize>(Joint(marginals, std::vector<BlockId>{blocks.id...}));
+  return Eigen::Matrix<double, kSize, kSize>(
+      Joint(marginals, std::vector<BlockId>{marginals.linearized().Id(blocks)...}));
 }
 
 /// Value and covariance of a function of the unknowns, in the units of its components.
@@ -73,7 +74,7 @@ auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   using Result = decltype(internal::Apply<Kinds...>(f, std::declval<const Jet* const*>(), kAll));
   constexpr int kSize = Result::RowsAtCompileTime;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const std::array x{marginals.linearized().StoredValue(blocks.id)...};
+  const std::array x{marginals.linearized().StoredValue(marginals.linearized().Id(blocks))...};
   std::array stored{RowMajor(kSize, Kinds::kSize)...};
   std::array<double*, sizeof...(Kinds)> wanted;
   std::transform(stored.begin(), stored.end(), wanted.begin(), [](auto& J) { return J.data(); });

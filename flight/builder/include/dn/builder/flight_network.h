@@ -147,7 +147,7 @@ class FlightNetwork {
   FactorId AddAt(double t_s, Function function, const Noise<R>& noise, Block<Own>... own) {
     const StateBetween at = StateAt(t_s);
     std::vector<BlockId> blocks = StateBlocks(at.node);
-    (blocks.push_back(own.id), ...);
+    (blocks.push_back(net.Id(own)), ...);
     using F = StateFunctionFactor<Function, R, Own...>;
     return net.AddFactor(std::make_shared<F>(std::move(function), noise, at.state, at.increments,
                                              gyro_bias.size(), accel_bias.size()),
