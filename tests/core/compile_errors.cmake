@@ -1,8 +1,9 @@
-# The test core.compile_errors: the compiler must reject every file of compile_errors/ with the text of
+# The tests <layer>.compile_errors: the compiler must reject every file of compile_errors/ with the text of
 # its first line, "// says: ...". The same file must compile without its line marked "// wrong", which
 # shows that this line is the one rejected.
 file(GLOB cases ${CASES}/*.cc)
 set(scratch ${CMAKE_CURRENT_BINARY_DIR}/compile_errors)
+list(TRANSFORM INCLUDES PREPEND -I)
 foreach(case IN LISTS cases)
   get_filename_component(name ${case} NAME_WE)
   file(READ ${case} text)
@@ -12,7 +13,7 @@ foreach(case IN LISTS cases)
   file(WRITE ${scratch}/${name}_right.cc "${right}")
   foreach(source IN ITEMS ${case} ${scratch}/${name}_right.cc)
     execute_process(
-      COMMAND ${CXX_COMPILER} -std=c++20 -fsyntax-only -I${INCLUDES} -isystem ${EIGEN} ${source}
+      COMMAND ${CXX_COMPILER} -std=c++20 -fsyntax-only ${INCLUDES} -isystem ${EIGEN} ${source}
       RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
     if(source STREQUAL case)
       string(FIND "${output}" "${expected}" at)

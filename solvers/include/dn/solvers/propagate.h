@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/autodiff.h>
+#include <dn/function_factor.h>
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
@@ -39,12 +40,23 @@ namespace internal {
 
 template <class Jet, class Result>
 auto AsVector(const Result& result) {
-  if constexpr (std::is_convertible_v<Result, Jet>) {
-    return Eigen::Matrix<Jet, 1, 1>(Jet(result));
-  } else {
+  if constexpr (std::is_same_v<Result, Jet>) {
+    return Eigen::Matrix<Jet, 1, 1>(result);
+  } else if constexpr (std::is_base_of_v<Eigen::EigenBase<Result>, Result>) {
+    static_assert(!IsExpression<Result>(),
+                  "Propagate: the function returns an Eigen expression, which may refer to values "
+                  "that no longer exist: end it with .eval()");
+    static_assert(std::is_same_v<typename Result::Scalar, Jet>,
+                  "Propagate: the result of the function does not have the scalar type of its "
+                  "blocks, so it cannot be differentiated: do not convert it to double");
     static_assert(Result::ColsAtCompileTime == 1 && Result::RowsAtCompileTime > 0,
                   "Propagate: the function must return a number or a vector of fixed size");
     return Eigen::Matrix<Jet, Result::RowsAtCompileTime, 1>(result);
+  } else {
+    static_assert(std::is_void_v<Jet>,
+                  "Propagate: the function must return a number or a vector of the scalar type of "
+                  "its blocks, so that it can be differentiated: do not convert it to double");
+    return Eigen::Matrix<Jet, 1, 1>();
   }
 }
 
@@ -64,9 +76,8 @@ auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
 ///
 /// f takes the values of the blocks in the same form as functions given to Network::Add. Each is a
 /// number, a vector, a quaternion, a pose or a user's own view. The coefficients are of a scalar
-/// type for automatic differentiation. f returns a number or a vector of fixed size of that type.
-/// State the return type: an `auto` return of an expression of local variables leaves dangling
-/// references. f is differentiated once, at the current values.
+/// type for automatic differentiation. f returns a number or a vector of fixed size of that type; an
+/// Eigen expression must end with .eval(). f is differentiated once, at the current values.
 template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   constexpr auto kAll = std::index_sequence_for<Kinds...>{};
