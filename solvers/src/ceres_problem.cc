@@ -65,7 +65,7 @@ bool BlockManifold::Plus(const double* x, const double* d, double* x_plus_d) con
 
 bool BlockManifold::PlusJacobian(const double* x, double* J) const {
   if (kind_.parametrisation == Parametrisation::kManifold) {
-    kind_.manifold->plus_jacobian(x, J);
+    kind_.manifold->PlusJacobian(x, J);
   } else {
     Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
     out = RotationPlusJacobian(kind_.parametrisation, x);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
@@ -40,6 +41,59 @@ struct Positive {
   static void Minus(const double* y, const double* x, double* out) { *out = std::log(*y / *x); }
   static void PlusJacobian(const double* x, double* J) { *J = *x; }
 };
+
+/// Direction with mistakes.
+struct ExchangedMinus : Direction {
+  static void Minus(const double* y, const double* x, double* y_minus_x) {
+    Direction::Minus(x, y, y_minus_x);
+  }
+};
+struct MinusInDegrees : Direction {
+  static void Minus(const double* y, const double* x, double* y_minus_x) {
+    Direction::Minus(y, x, y_minus_x);
+    y_minus_x[0] *= 180.0 / M_PI;
+  }
+};
+struct PlusOffTheCircle : Direction {
+  template <class T>
+  static void Plus(const T* x, const T* d, T* x_plus_d) {
+    x_plus_d[0] = x[0] - x[1] * d[0];
+    x_plus_d[1] = x[1] + x[0] * d[0];
+  }
+};
+struct TripleJacobian : Positive {
+  static void PlusJacobian(const double* x, double* J) { *J = 3.0 * *x; }
+};
+struct PlusWithAnOffset : Positive {
+  static void Plus(const double* x, const double* d, double* out) {
+    *out = *x * std::exp(*d + 1.0);
+  }
+};
+
+template <class Kind>
+void ExpectRefused(const BlockValue<Kind>& value, const std::string& text) {
+  Network net;
+  EXPECT_THAT([&] { net.AddBlock<Kind>("north", value); },
+              ThrowsMessage<InvalidInput>(::testing::AllOf(HasSubstr("'north'"), HasSubstr(text))));
+  EXPECT_EQ(net.num_blocks(), 0);
+}
+
+TEST(ManifoldKind, IsRefusedIfItsFunctionsContradictEachOther) {
+  ExpectRefused<ExchangedMinus>({0.6, 0.8}, "Minus(Plus(x, d), x) is -0.1 in coordinate 0");
+  ExpectRefused<MinusInDegrees>({0.6, 0.8}, "but d is 0.1");
+  ExpectRefused<PlusOffTheCircle>({0.6, 0.8}, "Minus(Plus(x, d), x)");
+  ExpectRefused<TripleJacobian>(2.0, "PlusJacobian is 6 in row 0, column 0, but the derivative");
+  ExpectRefused<PlusWithAnOffset>(2.0, "Plus(x, 0)");
+}
+
+TEST(ManifoldKind, IsCheckedOncePerNetwork) {
+  Network net;
+  net.AddBlock<Direction>("a", {0.6, 0.8});
+  net.AddBlock<Direction>("b", {1.0, 0.0});
+  Network copy = net;
+  copy.AddPose("pose", {Eigen::Quaterniond::Identity(), {4e6, 1e6, 5e6}});
+  EXPECT_EQ(copy.num_blocks(), 3);
+}
 
 template <class Kind>
 void ExpectManifold(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {

@@ -17,7 +17,7 @@ void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plu
     return;
   }
   if (kind.parametrisation == Parametrisation::kManifold)
-    return kind.manifold->plus(x, d, x_plus_d);
+    return kind.manifold->Plus(x, d, x_plus_d);
   const Eigen::Quaterniond step = Exp(Eigen::Vector3d(Vec3(d)));
   const Eigen::Quaterniond q(x);
   const Eigen::Quaterniond result =
@@ -32,7 +32,7 @@ void Minus(const BlockKind& kind, const double* y, const double* x, double* y_mi
     return;
   }
   if (kind.parametrisation == Parametrisation::kManifold)
-    return kind.manifold->minus(y, x, y_minus_x);
+    return kind.manifold->Minus(y, x, y_minus_x);
   const Eigen::Quaterniond difference = kind.parametrisation == Parametrisation::kRotationRight
                                             ? Quat(x).conjugate() * Quat(y)
                                             : Quat(y) * Quat(x).conjugate();
@@ -59,7 +59,7 @@ Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x) {
   }
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(kind.stored_size,
                                                                            kind.tangent_size);
-  kind.manifold->plus_jacobian(x, J.data());
+  kind.manifold->PlusJacobian(x, J.data());
   return J;
 }
 

@@ -1,3 +1,4 @@
+#include <dn/manifold_check.h>
 #include <dn/names.h>
 #include <dn/network.h>
 
@@ -52,7 +53,8 @@ Network::Network(Network&& other) noexcept
       blocks_(std::move(other.blocks_)),
       factors_(std::move(other.factors_)),
       by_name_(std::move(other.by_name_)),
-      groups_(std::move(other.groups_)) {
+      groups_(std::move(other.groups_)),
+      checked_(std::move(other.checked_)) {
   other.Clear();
 }
 
@@ -63,12 +65,16 @@ Network& Network::operator=(Network&& other) noexcept {
   factors_ = std::move(other.factors_);
   by_name_ = std::move(other.by_name_);
   groups_ = std::move(other.groups_);
+  checked_ = std::move(other.checked_);
   other.Clear();
   return *this;
 }
 
 Network::Network(const Network& other)
-    : factors_(other.factors_), by_name_(other.by_name_), groups_(other.groups_) {
+    : factors_(other.factors_),
+      by_name_(other.by_name_),
+      groups_(other.groups_),
+      checked_(other.checked_) {
   blocks_.reserve(other.blocks_.size());
   for (const auto& block : other.blocks_) blocks_.push_back(CopyRecord(*block));
 }
@@ -101,12 +107,20 @@ BlockId Network::AddStored(const std::string& name, const BlockKind& kind, const
       BlockRecord{name, kind, StoredValue(kind.stored_size), false, {}, id_}));
   try {
     SetRaw(id, value);
+    CheckNewKind(*blocks_.back());
   } catch (...) {
     blocks_.pop_back();
     throw;
   }
   by_name_.emplace(name, id);
   return id;
+}
+
+void Network::CheckNewKind(const BlockRecord& record) {
+  if (record.kind.parametrisation != Parametrisation::kManifold) return;
+  if (std::find(checked_.begin(), checked_.end(), record.kind.manifold) != checked_.end()) return;
+  CheckManifold(record.kind, record.value.get(), record.name);
+  checked_.push_back(record.kind.manifold);
 }
 
 void Network::SetRaw(BlockId id, const double* value) {

@@ -17,13 +17,21 @@ enum class Parametrisation {
 };
 
 /// Functions of a block kind that is neither a vector nor a rotation.
-struct ManifoldFunctions {
-  void (*plus)(const double* x, const double* d, double* x_plus_d);
-  void (*minus)(const double* y, const double* x, double* y_minus_x);
-  void (*plus_jacobian)(const double* x, double* J);  ///< row-major, stored size x tangent size
+class ManifoldFunctions {
+ public:
+  virtual void Plus(const double* x, const double* d, double* x_plus_d) const = 0;
+  virtual void Minus(const double* y, const double* x, double* y_minus_x) const = 0;
+  /// Writes d Plus / d d at d = 0, row-major, stored size x tangent size.
+  virtual void PlusJacobian(const double* x, double* J) const = 0;
+  /// Returns false if Minus is only an approximation.
+  virtual bool has_exact_minus() const { return true; }
+
+ protected:
+  ~ManifoldFunctions() = default;
 };
 
-/// Run-time description of a block kind.
+/// Run-time description of a block kind. The functions of its manifold must outlive all blocks of
+/// the kind.
 struct BlockKind {
   Parametrisation parametrisation = Parametrisation::kVector;
   int stored_size = 0;

@@ -62,10 +62,19 @@ void ManifoldPlusJacobian(const double* x, double* J) {
 }
 
 template <class M>
-inline constexpr ManifoldFunctions kManifoldFunctions{
-    [](const double* x, const double* d, double* x_plus_d) { M::Plus(x, d, x_plus_d); },
-    [](const double* y, const double* x, double* y_minus_x) { M::Minus(y, x, y_minus_x); },
-    [](const double* x, double* J) { ManifoldPlusJacobian<M>(x, J); }};
+class FunctionsOfKind final : public ManifoldFunctions {
+ public:
+  void Plus(const double* x, const double* d, double* x_plus_d) const override {
+    M::Plus(x, d, x_plus_d);
+  }
+  void Minus(const double* y, const double* x, double* y_minus_x) const override {
+    M::Minus(y, x, y_minus_x);
+  }
+  void PlusJacobian(const double* x, double* J) const override { ManifoldPlusJacobian<M>(x, J); }
+};
+
+template <class M>
+inline constexpr FunctionsOfKind<M> kManifoldFunctions{};
 
 template <class Kind>
 struct BlockValue {

@@ -144,7 +144,8 @@ class Network {
 
   /// Adds a block of any kind, such as a user's own ManifoldKind: AddBlock<Direction>("north", x).
   /// The value is projected onto its manifold by a Plus of zero. Throws as AddVector does, and
-  /// InvalidInput if Plus cannot move the value in every direction.
+  /// InvalidInput if Plus cannot move the value in every direction. The first block of a user's own
+  /// kind is also checked by CheckManifold, so that a wrong Minus or PlusJacobian throws here.
   template <class Kind>
   Block<Kind> AddBlock(const std::string& name,
                        const std::type_identity_t<BlockValue<Kind>>& value) {
@@ -297,6 +298,7 @@ class Network {
 
  private:
   void Clear() noexcept;
+  void CheckNewKind(const BlockRecord& record);
   BlockId AddStored(const std::string& name, const BlockKind& kind, const double* value);
   FactorRecord& factor_mutable(FactorId id);
   const FactorRecord& factor_present(FactorId id) const;
@@ -311,6 +313,7 @@ class Network {
   std::vector<FactorRecord> factors_;
   std::unordered_map<std::string, BlockId> by_name_;
   std::vector<FactorGroup> groups_{FactorGroup{""}};
+  std::vector<const ManifoldFunctions*> checked_;  // kinds that passed CheckManifold
 };
 
 }  // namespace dn
