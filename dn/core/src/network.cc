@@ -33,6 +33,19 @@ Eigen::VectorXd OnManifold(const BlockRecord& record, const double* value) {
   return x;
 }
 
+bool HasValidSizes(const BlockKind& kind) {
+  switch (kind.parametrisation) {
+    case Parametrisation::kVector:
+      return kind.stored_size > 0 && kind.tangent_size == kind.stored_size;
+    case Parametrisation::kRotationRight:
+    case Parametrisation::kRotationLeft:
+      return kind.stored_size == 4 && kind.tangent_size == 3;
+    case Parametrisation::kManifold:
+      break;
+  }
+  return kind.manifold != nullptr && kind.stored_size > 0 && kind.tangent_size > 0;
+}
+
 NetworkId NextNetworkId() {
   static std::atomic<NetworkId> last = 0;
   return ++last;
@@ -41,7 +54,8 @@ NetworkId NextNetworkId() {
 std::unique_ptr<BlockRecord> CopyRecord(const BlockRecord& record) {
   const int size = record.kind.stored_size;
   auto copy = std::make_unique<BlockRecord>(BlockRecord{record.name, record.kind, StoredValue(size),
-                                                        record.held, record.label, record.network});
+                                                        record.held, record.label, record.network,
+                                                        record.owner});
   std::copy_n(record.value.get(), size, copy->value.get());
   return copy;
 }
@@ -99,12 +113,13 @@ Block<LeftRotation> Network::AddLeftRotation(const std::string& name, const Eige
   return Handle<LeftRotation>(AddStored(name, LeftRotation::kKind, q.coeffs().data()));
 }
 
-BlockId Network::AddStored(const std::string& name, const BlockKind& kind, const double* value) {
+BlockId Network::AddStored(const std::string& name, const BlockKind& kind, const double* value,
+                           std::shared_ptr<const void> owner) {
   const BlockId id = num_blocks();
   if (by_name_.contains(name)) throw InvalidInput("network: block name '" + name + "' is taken");
   if (id_ == 0) id_ = NextNetworkId();
   blocks_.push_back(std::make_unique<BlockRecord>(
-      BlockRecord{name, kind, StoredValue(kind.stored_size), false, {}, id_}));
+      BlockRecord{name, kind, StoredValue(kind.stored_size), false, {}, id_, std::move(owner)}));
   try {
     SetRaw(id, value);
     CheckNewKind(*blocks_.back());
@@ -124,11 +139,57 @@ void Network::CheckNewKind(const BlockRecord& record) {
 }
 
 void Network::SetRaw(BlockId id, const double* value) {
-  BlockRecord& record = block(id);
+  BlockRecord& record = block_present(id);
   const Eigen::Map<const Eigen::VectorXd> given(value, record.kind.stored_size);
   if (!given.allFinite())
     throw InvalidInput("network: value of block '" + record.name + "' is not finite");
   std::copy_n(OnManifold(record, value).data(), record.kind.stored_size, record.value.get());
+}
+
+Eigen::VectorXd Network::Value(BlockId id) const {
+  const BlockRecord& record = block(id);
+  return Eigen::Map<const Eigen::VectorXd>(record.value.get(), record.kind.stored_size);
+}
+
+void Network::SetValue(BlockId id, const Eigen::VectorXd& value) {
+  const BlockRecord& record = block_present(id);
+  if (value.size() != record.kind.stored_size) {
+    throw InvalidInput("network: " + std::to_string(value.size()) + " numbers for block '" +
+                       record.name + "', which has " + std::to_string(record.kind.stored_size));
+  }
+  SetRaw(id, value.data());
+}
+
+BlockId Network::AddBlock(const std::string& name, const BlockKind& kind,
+                          const Eigen::VectorXd& value, std::shared_ptr<const void> owner) {
+  if (!HasValidSizes(kind) || value.size() != kind.stored_size) {
+    throw InvalidInput("network: the kind of block '" + name + "' has " +
+                       std::to_string(kind.stored_size) + " stored numbers and " +
+                       std::to_string(kind.tangent_size) +
+                       " tangent coordinates, which do not fit its parametrisation or the " +
+                       std::to_string(value.size()) + " numbers of the value");
+  }
+  return AddStored(name, kind, value.data(), std::move(owner));
+}
+
+void Network::RemoveBlocks(const std::vector<BlockId>& ids) {
+  std::vector<bool> removed(blocks_.size(), false);
+  for (const BlockId id : ids) {
+    block_present(id);
+    removed[static_cast<std::size_t>(id)] = true;
+  }
+  for (FactorId f = 0; f < num_factors(); ++f) {
+    const std::vector<BlockId>& blocks = factor(f).blocks;
+    if (std::any_of(blocks.begin(), blocks.end(),
+                    [&](BlockId b) { return removed[static_cast<std::size_t>(b)]; })) {
+      RemoveFactor(f);
+    }
+  }
+  for (const BlockId id : ids) {
+    by_name_.erase(block(id).name);
+    block(id) = BlockRecord();
+    block(id).held = true;
+  }
 }
 
 FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
@@ -142,6 +203,7 @@ FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
                        std::to_string(blocks.size()) + " given");
   }
   for (std::size_t i = 0; i < kinds.size(); ++i) {
+    block_present(blocks[i]);
     if (!(block(blocks[i]).kind == kinds[i])) {
       throw InvalidInput("network: block '" + block(blocks[i]).name +
                          "' is of the wrong kind for argument " + std::to_string(i) +
@@ -201,7 +263,7 @@ void Network::SetLoss(FactorId id, Loss loss) {
 }
 
 void Network::SetLabel(BlockId id, BlockLabel label) {
-  BlockRecord& record = block(id);
+  BlockRecord& record = block_present(id);
   const auto tangent_size = static_cast<std::size_t>(record.kind.tangent_size);
   if (!label.components.empty() && label.components.size() != tangent_size) {
     throw InvalidInput("network: the label of block '" + record.name + "' names " +
@@ -213,6 +275,7 @@ void Network::SetLabel(BlockId id, BlockLabel label) {
 
 void CheckHandle(const std::string& name, const BlockKind& kind, NetworkId network,
                  const BlockKind& expected_kind, NetworkId expected_network) {
+  if (kind.stored_size == 0) throw InvalidInput("network: the block of this handle was removed");
   if (expected_network != 0 && expected_network != network) {
     throw InvalidInput("network: the handle of a block of another network is used for block '" +
                        name + "' of this network; find the block by its name");
@@ -240,6 +303,14 @@ const BlockRecord& Network::block(BlockId id) const {
 
 BlockRecord& Network::block(BlockId id) {
   return const_cast<BlockRecord&>(static_cast<const Network*>(this)->block(id));
+}
+
+BlockRecord& Network::block_present(BlockId id) {
+  BlockRecord& record = block(id);
+  if (record.removed()) {
+    throw InvalidInput("network: block " + std::to_string(id) + " was removed");
+  }
+  return record;
 }
 
 const FactorRecord& Network::factor(FactorId id) const {

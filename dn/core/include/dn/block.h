@@ -82,6 +82,9 @@ struct Scalar {
   static constexpr BlockKind kKind{Parametrisation::kVector, 1, 1};
 };
 
+/// Returns the kind of n real numbers, n known at run time.
+constexpr BlockKind VectorKind(int n) { return {Parametrisation::kVector, n, n}; }
+
 /// Computes x (+) d in the parametrisation of `kind`; the quaternion of a rotation is normalised.
 /// The arrays have sizes stored_size, tangent_size and stored_size.
 void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plus_d);

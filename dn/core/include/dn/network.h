@@ -82,6 +82,11 @@ struct BlockRecord {
   bool held = false;
   BlockLabel label;
   NetworkId network = 0;  ///< the network that created the block; see Block
+  std::shared_ptr<const void> owner =
+      {};  ///< keeps the functions of the kind alive, if they need it
+
+  /// Returns true for a removed block. It is constant and its sizes are 0.
+  bool removed() const { return kind.stored_size == 0; }
 };
 
 /// A factor as stored in the network. A removed factor is inactive and has neither factor nor
@@ -154,6 +159,59 @@ class Network {
     return Handle<Kind>(AddStored(name, MakeBlockKind<Kind>(), x));
   }
 
+  /// Adds a block whose kind is known only at run time, such as VectorKind(n). `owner` is kept as
+  /// long as the block or a copy of it exists; pass it if it owns the functions of the kind. Throws
+  /// as AddBlock<Kind> does, and InvalidInput if sizes do not fit.
+  BlockId AddBlock(const std::string& name, const BlockKind& kind, const Eigen::VectorXd& value,
+                   std::shared_ptr<const void> owner = {});
+
+  /// Removes a block, and every factor on it, permanently. The ids of all others stay valid; the
+  /// removed ids are not used again, but the name is free.
+  void RemoveBlock(BlockId id) { RemoveBlocks({id}); }
+  template <class Kind>
+  void RemoveBlock(Block<Kind> b) {
+    RemoveBlock(Id(b));
+  }
+  /// Does what RemoveBlock does for several blocks, in one pass over the factors.
+  void RemoveBlocks(const std::vector<BlockId>& ids);
+
+  /// The blocks and factors that Append added.
+  class Appended {
+   public:
+    /// Returns the id in this network of a block of the appended one.
+    BlockId Id(BlockId other) const;
+    /// Returns the handle in this network of a block of the appended one. Throws InvalidInput for a
+    /// handle of a third network.
+    template <class Kind>
+    Block<Kind> Handle(Block<Kind> other) const {
+      return {Id(other.id), CheckedNetwork(other.id, other.network)};
+    }
+    /// Returns the id in this network of a factor of the appended one.
+    FactorId Factor(FactorId other) const;
+
+   private:
+    friend class Network;
+    NetworkId CheckedNetwork(BlockId other, NetworkId network) const;
+
+    std::vector<BlockId> blocks_;                            // -1 for a removed block
+    std::vector<std::pair<NetworkId, NetworkId>> networks_;  // of each block, there and here
+    std::vector<FactorId> factors_;
+  };
+
+  /// Adds all blocks and factors of another network; the names of its blocks get the prefix. A block
+  /// named in `shared` keeps its name and is the block of that name in this network, with the value
+  /// and state that it has here; it is added if this network does not have it yet. Two flights with
+  /// one boresight:
+  ///
+  ///   dn::Network both;
+  ///   both.Append(monday.net, "monday/", {"boresight"});
+  ///   both.Append(tuesday.net, "tuesday/", {"boresight"});
+  ///
+  /// A prior of a shared block then counts once per appended network. Throws InvalidInput, and adds
+  /// nothing, if a name is taken, if a shared name does not exist in `other`, or if its kind differs.
+  Appended Append(const Network& other, const std::string& prefix,
+                  const std::vector<std::string>& shared = {});
+
   /// Adds a factor on blocks; a block of the wrong kind is a compile error.
   template <class F, class... Kinds>
   FactorId Add(F factor, Block<Kinds>... blocks) {
@@ -212,7 +270,7 @@ class Network {
   void RemoveFactor(FactorId id);
 
   /// Sets a block constant at its value, or makes it an unknown again.
-  void Hold(BlockId id, bool held = true) { block(id).held = held; }
+  void Hold(BlockId id, bool held = true) { block_present(id).held = held; }
   template <class Kind>
   void Hold(Block<Kind> b, bool held = true) {
     Hold(Id(b), held);
@@ -247,6 +305,10 @@ class Network {
     SetRaw(Id(b), x);
   }
   void SetRaw(BlockId id, const double* value);
+
+  /// Returns or sets the stored numbers of a block whose kind is known only at run time.
+  Eigen::VectorXd Value(BlockId id) const;
+  void SetValue(BlockId id, const Eigen::VectorXd& value);
 
   /// Returns the block with this name. Throws InvalidInput naming the nearest existing name if
   /// there is no such block.
@@ -299,7 +361,12 @@ class Network {
  private:
   void Clear() noexcept;
   void CheckNewKind(const BlockRecord& record);
-  BlockId AddStored(const std::string& name, const BlockKind& kind, const double* value);
+  BlockId AddStored(const std::string& name, const BlockKind& kind, const double* value,
+                    std::shared_ptr<const void> owner = {});
+  /// Returns the ids that the blocks of `other` get, -1 for those to add; see Append.
+  std::vector<BlockId> FindShared(const Network& other, const std::string& prefix,
+                                  const std::vector<std::string>& shared) const;
+  BlockRecord& block_present(BlockId id);
   FactorRecord& factor_mutable(FactorId id);
   const FactorRecord& factor_present(FactorId id) const;
   [[noreturn]] void NameException(FactorId id) const;
