@@ -2,6 +2,7 @@
 
 #include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
+#include <dn/solvers/robust_loss.h>
 
 #include <memory>
 #include <utility>
@@ -38,12 +39,29 @@ class FactorCost final : public ceres::CostFunction {
   FactorException* exception_;
 };
 
+/// A user's loss function with first-order weights.
+class OwnLoss final : public ceres::LossFunction {
+ public:
+  explicit OwnLoss(Loss loss) : loss_(std::move(loss)) {}
+  void Evaluate(double s, double rho[3]) const override {
+    const LossValue value = EvaluateLoss(loss_, s);
+    rho[0] = value.rho;
+    rho[1] = value.rho_prime;
+    rho[2] = 0.0;
+  }
+
+ private:
+  Loss loss_;
+};
+
 std::unique_ptr<ceres::LossFunction> MakeLoss(const Loss& loss) {
   switch (loss.type) {
     case Loss::Type::kHuber:
       return std::make_unique<ceres::HuberLoss>(loss.width);
     case Loss::Type::kCauchy:
       return std::make_unique<ceres::CauchyLoss>(loss.width);
+    case Loss::Type::kFunction:
+      return std::make_unique<OwnLoss>(loss);
     case Loss::Type::kNone:
       break;
   }

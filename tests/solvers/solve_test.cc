@@ -1,8 +1,12 @@
+#include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "solvers/pose_graph.h"
 
@@ -118,6 +122,38 @@ TEST(Solve, LeavesInactiveFactorsOutAndUnusedBlocksAlone) {
   EXPECT_NEAR(summary.cost, 0.0, 1e-20);
   EXPECT_EQ(summary.residuals, 1);
   EXPECT_EQ(summary.parameters, 1);
+}
+
+// Huber's loss given as a function of one's own: the same solution and covariance by both solvers.
+TEST(Solve, TakesALossOfOnesOwn) {
+  const Loss own = Loss::Own([](double s) -> std::array<double, 2> {
+    const double r = std::sqrt(s);
+    return s <= 1.0 ? std::array{s, 1.0} : std::array{2.0 * r - 1.0, 1.0 / r};
+  });
+  std::array<double, 2> values, sigmas;
+  for (const int blocks : {1, 120}) {
+    for (const bool is_own : {false, true}) {
+      Network net;
+      std::vector<Block<Scalar>> x;
+      for (int k = 0; k < blocks; ++k) {
+        x.push_back(net.AddScalar("x/" + std::to_string(k), 0.5));
+        for (const double z : {0.0, 0.1, 10.0}) {
+          const FactorId id =
+              net.Add([z](const auto& v) { return v - z; }, Noise<1>::Sigma(1.0), x.back());
+          net.SetLoss(id, is_own ? own : Loss::Huber(1.0));
+        }
+      }
+      EXPECT_TRUE(Solve(net).converged);
+      values[is_own ? 1 : 0] = net.Value(x.back());
+      sigmas[is_own ? 1 : 0] = MarginalSigma(net, x.back());
+    }
+    EXPECT_NEAR(values[0], values[1], 1e-9);
+    EXPECT_NEAR(sigmas[0], sigmas[1], 1e-9);
+  }
+  Network net;
+  const auto x = net.AddScalar("x", 0.0);
+  const FactorId id = net.Add([](const auto& v) { return v; }, Noise<1>::Sigma(1.0), x);
+  EXPECT_THROW(net.SetLoss(id, Loss::Own({})), InvalidInput);
 }
 
 // Two observations of 0 and one of 10 with Huber loss of width 1: 2 x = 1.

@@ -255,6 +255,9 @@ void Network::Tag(FactorId id, const FactorGroup& group, double t_s) {
 }
 
 void Network::SetLoss(FactorId id, Loss loss) {
+  if (loss.type == Loss::Type::kFunction && (loss.function == nullptr || !*loss.function)) {
+    throw InvalidInput("network: a robust loss of one's own needs its function");
+  }
   if (loss.type != Loss::Type::kNone && !(loss.width > 0.0 && std::isfinite(loss.width))) {
     throw InvalidInput("network: the width of a robust loss is " + std::to_string(loss.width) +
                        ", must be positive and finite");

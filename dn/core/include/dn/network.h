@@ -8,8 +8,10 @@
 #include <dn/manifold.h>
 #include <dn/pose.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -39,14 +41,23 @@ using FactorId = int;
 
 /// Robust loss rho(s) of the squared norm s of a factor's residual. width is in units of sigma.
 struct Loss {
-  enum class Type { kNone, kHuber, kCauchy };
+  enum class Type { kNone, kHuber, kCauchy, kFunction };
+  /// Returns rho(s) and rho'(s) for s >= 0.
+  using Function = std::function<std::array<double, 2>(double s)>;
+
   Type type = Type::kNone;
   double width = 1.0;
+  std::shared_ptr<const Function> function = {};  ///< only for kFunction
 
   /// Returns the Huber loss: quadratic within k sigma, linear beyond.
   static Loss Huber(double k) { return {Type::kHuber, k}; }
   /// Returns the Cauchy loss: logarithmic beyond k sigma, so that an outlier loses its influence.
   static Loss Cauchy(double k) { return {Type::kCauchy, k}; }
+  /// Returns a loss of one's own. Its second derivative must not be positive: the
+  /// weight of a factor is rho' alone.
+  static Loss Own(Function f) {
+    return {Type::kFunction, 1.0, std::make_shared<const Function>(std::move(f))};
+  }
 };
 
 /// Description of a block in the field's terms, for reports and for the diagnosis of a rank

@@ -6,9 +6,9 @@
 
 namespace dn {
 
-/// rho(s) and rho'(s) of a robust loss at the squared norm s, equal to ceres::HuberLoss and
-/// ceres::CauchyLoss. Their second derivatives are never positive, so the weight of a factor in the
-/// normal matrix is rho' alone.
+/// rho(s) and rho'(s) of a robust loss at the squared norm s; Huber and Cauchy equal
+/// ceres::HuberLoss and ceres::CauchyLoss. Second derivatives are never positive, so the weight of a
+/// factor in the normal matrix is rho' alone.
 struct LossValue {
   double rho = 0.0;
   double rho_prime = 1.0;
@@ -24,6 +24,10 @@ inline LossValue EvaluateLoss(const Loss& loss, double s) {
     }
     case Loss::Type::kCauchy:
       return {width2 * std::log1p(s / width2), 1.0 / (1.0 + s / width2)};
+    case Loss::Type::kFunction: {
+      const auto [rho, rho_prime] = (*loss.function)(s);
+      return {rho, rho_prime};
+    }
     case Loss::Type::kNone:
       break;
   }
