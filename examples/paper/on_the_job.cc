@@ -1,7 +1,7 @@
 #include "on_the_job.h"
 
 #include <dn/adjustment/solution.h>
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
+#include <dn/distributions.h>
 #include <dn/error.h>
-#include <dn/report/distributions.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
 

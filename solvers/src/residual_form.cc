@@ -1,4 +1,4 @@
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <dn/solvers/residual_form.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // model them.
 #include <dn/adjustment/gnss_errors.h>
 #include <dn/adjustment/words.h>
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

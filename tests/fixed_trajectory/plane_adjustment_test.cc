@@ -1,6 +1,6 @@
+#include <dn/distributions.h>
 #include <dn/error.h>
 #include <dn/fixed_trajectory/plane_adjustment.h>
-#include <dn/report/distributions.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/LU>

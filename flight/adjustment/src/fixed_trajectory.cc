@@ -1,8 +1,8 @@
 #include "fixed_trajectory.h"
 
+#include <dn/distributions.h>
 #include <dn/error.h>
 #include <dn/names.h>
-#include <dn/report/distributions.h>
 #include <dn/rotation.h>
 
 #include <algorithm>

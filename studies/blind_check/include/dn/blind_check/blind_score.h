@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/blind_check/blind_record.h>
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 
 #include <array>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <dn/distributions.h>
 #include <dn/montecarlo/flight_record.h>
-#include <dn/report/distributions.h>
 #include <dn/report/json.h>
 
 #include <array>

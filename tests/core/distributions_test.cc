@@ -1,4 +1,4 @@
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
