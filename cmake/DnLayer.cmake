@@ -3,12 +3,12 @@
 #
 # Adds the library of a layer. Each layer has its own include root, so that an include against the
 # layer diagram does not compile. Call it from the CMakeLists.txt of the folder; DIR is relative to
-# the project root. EXPORT is the set of exported targets, dnTargets by default; layers that users
-# request as a component have another set.
+# the project root. EXPORT is the set of exported targets. Layers with fewer
+# dependencies (dnTargets) or more (dnPclTargets) than the others (dnFlightTargets) name theirs.
 function(dn_add_layer name)
   cmake_parse_arguments(A "" "DIR;EXPORT" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(NOT A_EXPORT)
-    set(A_EXPORT dnTargets)
+    set(A_EXPORT dnFlightTargets)
   endif()
   list(TRANSFORM A_SOURCES PREPEND "${PROJECT_SOURCE_DIR}/${A_DIR}/src/")
   add_library(dn_${name} ${A_SOURCES})

@@ -5,6 +5,7 @@ include(CMakePackageConfigHelpers)
 set(DN_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/dn)
 
 install(EXPORT dnTargets NAMESPACE dn:: DESTINATION ${DN_CONFIG_DIR})
+install(EXPORT dnFlightTargets NAMESPACE dn:: DESTINATION ${DN_CONFIG_DIR})
 if(DN_WITH_PCL)
   install(EXPORT dnPclTargets NAMESPACE dn:: DESTINATION ${DN_CONFIG_DIR})
 endif()

@@ -16,7 +16,7 @@ endif()
 run(${CMAKE_COMMAND} --install ${DN_BINARY_DIR} --prefix ${prefix})
 
 # The exported targets must not contain development flags or paths of this source tree.
-file(GLOB_RECURSE exported ${prefix}/*/dnTargets*.cmake)
+file(GLOB_RECURSE exported ${prefix}/*/dn*Targets*.cmake)
 if(NOT exported)
   message(FATAL_ERROR "no dnTargets*.cmake under ${prefix}")
 endif()
@@ -56,6 +56,7 @@ set(compilers -G ${GENERATOR} -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COM
 set(tutorial docs/tutorials/build-your-own-network.md)
 page_block(${tutorial} cmake 0 lists)
 page_block(${tutorial} cmake 1 more_layers)
+set(tutorial_lists "${lists}")
 function(run_page name page index lists output_has)
   set(folder ${SCRATCH_DIR}/${name})
   page_block(${page} cpp ${index} program)
@@ -75,6 +76,22 @@ run_page(tutorial_unknown ${tutorial} 0 "${lists}" "5 stations: z = 9[45].*3 sta
 run_page(tutorial_factor ${tutorial} 1 "${lists}" "largest residual: .*distance.*sigma0")
 string(REGEX REPLACE "target_link_libraries[^\n]*\n" "${more_layers}" lists "${lists}")
 run_page(tutorial_flight ${tutorial} 2 "${lists}" "with the altimeter.*altimeter offset [12]\\.[0-9]+ \\+-")
+
+# A project that names its component needs only the dependencies of networks. It is compiled for the
+# instruction set of this machine.
+string(REPLACE "find_package(dn 0.1 REQUIRED)" "find_package(dn 0.1 REQUIRED COMPONENTS solvers)"
+  networks "${tutorial_lists}")
+if(networks STREQUAL tutorial_lists)
+  message(FATAL_ERROR "${tutorial}: the CMake lines have no find_package(dn 0.1 REQUIRED)")
+endif()
+set(without)
+foreach(package IN ITEMS yaml-cpp nlohmann_json fmt DnGeographicLib)
+  list(APPEND without -D CMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+set(all_flags ${compilers})
+list(APPEND compilers ${without} "-D" "CMAKE_CXX_FLAGS=${CXX_FLAGS} -march=native")
+run_page(networks README.md 0 "${networks}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
+set(compilers ${all_flags})
 
 # Builds a project that uses several components, including the one with PCL if it was built.
 run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build ${compilers}
