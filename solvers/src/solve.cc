@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -100,6 +101,11 @@ SolveReport FinishedReport(const GaussNewtonReport& steps, double time_s) {
   return report;
 }
 
+/// Returns NaN for a cost that Ceres could not compute; Ceres returns -1.
+double DefinedCost(double cost) {
+  return cost < 0.0 ? std::numeric_limits<double>::quiet_NaN() : cost;
+}
+
 /// Runs Ceres once from the values of the network. `observer` must be among the callbacks of
 /// `options`.
 SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
@@ -115,8 +121,8 @@ SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
       summary.termination_type == ceres::CONVERGENCE || (ended_here && observer.settled());
   report.interrupted = ended_here && !observer.settled();
   report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
-  report.initial_cost = summary.initial_cost;
-  report.final_cost = summary.final_cost;
+  report.initial_cost = DefinedCost(summary.initial_cost);
+  report.final_cost = DefinedCost(summary.final_cost);
   report.time_s = summary.total_time_in_seconds;
   report.message = summary.message;
   if (report.interrupted) report.message = kStopped;
@@ -168,7 +174,7 @@ SolveReport SolveTwice(Network& network, const SolveOptions& options,
   second.time_s += first.time_s;
   const bool better = second.converged || second.final_cost <= first.final_cost;
   if (second.interrupted || (better && check.FindPlateauUnknown(network).empty())) return second;
-  if (first.final_cost < second.final_cost) {
+  if (!(second.final_cost <= first.final_cost)) {
     first_values.Restore(&network);
     second.final_cost = first.final_cost;
   }

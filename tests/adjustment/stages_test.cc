@@ -1,4 +1,5 @@
 #include <dn/adjustment/stages.h>
+#include <dn/builder/build.h>
 #include <dn/error.h>
 #include <dn/sim/random.h>
 #include <gmock/gmock.h>
@@ -8,6 +9,8 @@
 #include <cmath>
 #include <ostream>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "testing/expect_invalid.h"
@@ -19,6 +22,7 @@ using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 // A normal variable exceeds this many sigmas with probability 6e-5.
 constexpr double kSigmas = 4.0;
@@ -131,6 +135,65 @@ TEST(Stages, WithoutANetworkNothingCanBeSolved) {
   EXPECT_THROW(Adjust(sim.flight, options), InvalidConfig);
   options.stages = {{"nothing", [](AdjustmentRun&) {}}};
   EXPECT_THROW(Adjust(sim.flight, options), InvalidConfig);
+}
+
+static_assert(std::is_base_of_v<Error, NotConverged>);
+
+// A flight that ends with the statement would dangle.
+template <class F>
+concept IsAdjustable = requires(F&& flight) {
+  Adjust(std::forward<F>(flight), AdjustOptions());
+};
+template <class F>
+concept IsBuildable = requires(F&& flight) {
+  Build(std::forward<F>(flight), NetworkDesign());
+};
+static_assert(IsAdjustable<const Flight&> && IsAdjustable<Flight&>);
+static_assert(!IsAdjustable<Flight> && !IsAdjustable<const Flight>);
+static_assert(IsBuildable<const Flight&> && !IsBuildable<Flight>);
+static_assert(
+    std::is_constructible_v<FlightNetwork, const Flight&, std::vector<double>, InitialStates>);
+static_assert(!std::is_constructible_v<FlightNetwork, Flight, std::vector<double>, InitialStates>);
+static_assert(std::is_constructible_v<AdjustmentRun, const Flight&, const AdjustOptions&>);
+static_assert(!std::is_constructible_v<AdjustmentRun, Flight, const AdjustOptions&>);
+static_assert(!std::is_constructible_v<AdjustmentRun, const Flight&, AdjustOptions>);
+
+TEST(Stages, AFunctionOfTheUserIsCalledOrRefused) {
+  const SimulatedFlight sim = Fly(5);
+  const auto own = [](FlightNetwork&) { FAIL() << "called"; };
+  AdjustOptions without_pairs;
+  without_pairs.with_pairs = false;
+  without_pairs.customise_before_lidar = own;
+  EXPECT_THAT([&] { Adjust(sim.flight, without_pairs); },
+              ThrowsMessage<InvalidConfig>(HasSubstr("customise_before_lidar is not called")));
+  without_pairs.customise_before_lidar = {};
+  without_pairs.network.pair_model = [](FlightNetwork&) { return PairModel(); };
+  EXPECT_THROW(Adjust(sim.flight, without_pairs), InvalidConfig);
+  AdjustOptions own_stages;
+  own_stages.with_pairs = false;
+  own_stages.stages = DefaultStages(false);
+  own_stages.stages.erase(FindStage("before final", &own_stages.stages));
+  own_stages.customise = own;
+  EXPECT_THAT([&] { Adjust(sim.flight, own_stages); },
+              ThrowsMessage<InvalidConfig>(HasSubstr("the stage 'before final' that calls it")));
+}
+
+// A factor that is undefined at the values of the stage is named, wherever it is added.
+TEST(Stages, AnUndefinedFactorOfTheUserIsNamed) {
+  const SimulatedFlight sim = Fly(5);
+  const auto add = [](FlightNetwork& network) {
+    using std::log;
+    const FactorId id = network.net.Add([](const auto& p) { return log(-p.z() * p.z()); },
+                                        Noise<1>::Sigma(1.0), network.nodes[7].p_mb);
+    network.net.Tag(id, "my altimeter", network.nodes[7].t_s);
+  };
+  for (const bool before_lidar : {false, true}) {
+    AdjustOptions options;
+    (before_lidar ? options.customise_before_lidar : options.customise) = add;
+    EXPECT_THAT([&] { Adjust(sim.flight, options); },
+                ThrowsMessage<NotConverged>(::testing::AllOf(
+                    HasSubstr("my altimeter"), HasSubstr("'p_mb/7'"), HasSubstr("undefined"))));
+  }
 }
 
 // An altimeter with an unknown offset is added to the network by one of the two functions.

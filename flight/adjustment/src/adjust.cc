@@ -10,6 +10,13 @@ namespace dn {
 void AdjustOptions::Validate() const {
   if (threads < 1) throw InvalidConfig("adjustment: threads must be at least 1");
   if (max_iterations < 1) throw InvalidConfig("adjustment: max_iterations must be at least 1");
+  if (!with_pairs && stages.empty() && customise_before_lidar) {
+    throw InvalidConfig(
+        "adjustment: customise_before_lidar is not called without pairs; use customise instead");
+  }
+  if (!with_pairs && network.pair_model) {
+    throw InvalidConfig("adjustment: network.pair_model is not called without pairs");
+  }
 }
 
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
@@ -22,6 +29,7 @@ Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
   AdjustmentRun run(flight, options);
   const auto& stages = options.stages.empty() ? DefaultStages(options.with_pairs) : options.stages;
   for (const AdjustmentStage& stage : stages) stage.run(run);
+  run.ExpectCustomised();
   run.result().residual_final_m = run.MeanPairDifference();
   run.result().time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -38,6 +38,29 @@ FlightNetworkOptions AdjustmentRun::network_options() const {
   return network;
 }
 
+void AdjustmentRun::CustomiseBeforeLidar() {
+  customised_before_lidar_ = true;
+  if (options_.customise_before_lidar) options_.customise_before_lidar(network());
+}
+
+void AdjustmentRun::Customise() {
+  customised_ = true;
+  if (options_.customise) options_.customise(network());
+}
+
+void AdjustmentRun::ExpectCustomised() const {
+  if (options_.customise_before_lidar && !customised_before_lidar_) {
+    throw InvalidConfig(
+        "adjustment: customise_before_lidar is set, but the stage 'before lidar' that calls it is "
+        "not among the stages");
+  }
+  if (options_.customise && !customised_) {
+    throw InvalidConfig(
+        "adjustment: customise is set, but the stage 'before final' that calls it is not among the "
+        "stages");
+  }
+}
+
 void AdjustmentRun::Announce(const std::string& step) const {
   if (options_.progress) options_.progress(step, 0);
   if (options_.interrupted && options_.interrupted()) throw Interrupted();
@@ -60,7 +83,7 @@ void AdjustmentRun::Solve(const std::string& name, int max_iterations, double si
   const SolveReport report = dn::Solve(network().net, options);
   if (report.interrupted) throw Interrupted();
   result_.stages.push_back({name, report.iterations, report.initial_cost, report.final_cost,
-                            report.converged, report.time_s});
+                            report.converged, report.time_s, report.message});
   result_.iterations += report.iterations;
   result_.converged = report.converged;
   result_.cost = report.final_cost;

@@ -25,7 +25,8 @@ void SolveFinally(AdjustmentRun& run) {
   throw NotConverged("the final least squares did not converge in " +
                      std::to_string(run.options().max_iterations) + " iterations (cost " +
                      std::to_string(last.cost_before) + " to " + std::to_string(last.cost_after) +
-                     "); check the stochastic model, lever arms and the time tags of the flight");
+                     "): " + last.message +
+                     "; check the stochastic model, lever arms and the time tags of the flight");
 }
 
 }  // namespace dn

@@ -34,12 +34,8 @@ std::vector<AdjustmentStage>::iterator FindStage(const std::string& name,
   throw InvalidConfig("adjustment: no stage '" + name + "'; the stages are " + names);
 }
 
-void AddOwnBeforeLidar(AdjustmentRun& run) {
-  if (run.options().customise_before_lidar) run.options().customise_before_lidar(run.network());
-}
+void AddOwnBeforeLidar(AdjustmentRun& run) { run.CustomiseBeforeLidar(); }
 
-void AddOwnBeforeFinal(AdjustmentRun& run) {
-  if (run.options().customise) run.options().customise(run.network());
-}
+void AddOwnBeforeFinal(AdjustmentRun& run) { run.Customise(); }
 
 }  // namespace dn

@@ -73,11 +73,11 @@ struct CostSummary {
 
 /// Outcome of a solution.
 struct SolveReport {
-  bool converged = false;    ///< true if a tolerance was met
-  bool interrupted = false;  ///< true if on_iteration returned false
-  int iterations = 0;        ///< accepted and rejected steps of both attempts
-  double initial_cost = 0.0;
-  double final_cost = 0.0;
+  bool converged = false;     ///< true if a tolerance was met
+  bool interrupted = false;   ///< true if on_iteration returned false
+  int iterations = 0;         ///< accepted and rejected steps of both attempts
+  double initial_cost = 0.0;  ///< NaN if a factor is undefined at the initial values
+  double final_cost = 0.0;    ///< NaN likewise
   CostSummary adjusted;  ///< cost of the network at the final values, with redundancy and sigma0
   double time_s = 0.0;
   std::string message;  ///< reason for stopping; names the factor if one is undefined

@@ -39,7 +39,8 @@ struct AdjustOptions {
   std::function<bool()> interrupted = {};
   /// Called once after the pairs were added to the network, before the first stage that uses them.
   /// Add blocks and factors of your own here if the start of the boresight and the rejection of
-  /// pairs must include them. The stage "before lidar" calls it; without pairs it is not called.
+  /// pairs must include them. The stage "before lidar" calls it. Adjust throws InvalidConfig if a
+  /// function is set but its stage is not among those that run.
   std::function<void(FlightNetwork&)> customise_before_lidar = {};
   /// Called once on the complete network, after the rejection of outliers and before the final
   /// least squares. Add blocks and factors of your own here if they need no robust stage before.
@@ -81,6 +82,7 @@ struct StageReport {
   double cost_after = 0.0;
   bool converged = false;
   double time_s = 0.0;
+  std::string message = {};  ///< SolveReport::message
 };
 
 /// A solved flight with the record of its adjustment.
@@ -131,6 +133,9 @@ struct Adjustment {
 /// NotConverged, Interrupted. Throws SensorsContradict if more than a third of the GNSS epochs
 /// contradict the inertial data, or if the GNSS residuals exceed all stated noise. The latter ends
 /// the work at once if half of the epochs are more than 30 sigmas off and no clock explains it.
+///
+/// The flight must outlive the adjustment, so a temporary flight does not compile.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
+Adjustment Adjust(const Flight&& flight, const AdjustOptions& options = {}) = delete;
 
 }  // namespace dn

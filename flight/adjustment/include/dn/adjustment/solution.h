@@ -23,7 +23,7 @@ class Solution {
  public:
   /// Adjusts the flight. Throws as Adjust does, and RankDeficient if an unknown is not determined.
   explicit Solution(const Flight& flight, const AdjustOptions& options = {});
-  Solution(Flight&& flight, const AdjustOptions& options = {}) = delete;
+  Solution(const Flight&& flight, const AdjustOptions& options = {}) = delete;
 
   /// Takes a flight that is already adjusted.
   explicit Solution(Adjustment adjustment, int threads = 1);

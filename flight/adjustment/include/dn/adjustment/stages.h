@@ -14,6 +14,8 @@ class AdjustmentRun {
  public:
   /// `flight` and `options` must outlive the run.
   AdjustmentRun(const Flight& flight, const AdjustOptions& options);
+  AdjustmentRun(const Flight&& flight, const AdjustOptions& options) = delete;
+  AdjustmentRun(const Flight& flight, const AdjustOptions&& options) = delete;
 
   const Flight& flight() const { return flight_; }
   const AdjustOptions& options() const { return options_; }
@@ -33,6 +35,12 @@ class AdjustmentRun {
 
   /// Returns the result so far, for reading and writing.
   Adjustment& result() { return result_; }
+
+  /// Calls AdjustOptions::customise_before_lidar or AdjustOptions::customise, if it is set.
+  void CustomiseBeforeLidar();
+  void Customise();
+  /// Throws InvalidConfig if one of these functions is set, but was not called.
+  void ExpectCustomised() const;
 
   /// Reports the start of a step to `progress`. Throws Interrupted if `interrupted` returns true.
   void Announce(const std::string& step) const;
@@ -68,6 +76,8 @@ class AdjustmentRun {
   NetworkConfig::Inertial inertial_;
   Adjustment result_;
   std::unique_ptr<FlightNetwork> set_aside_;
+  bool customised_before_lidar_ = false;
+  bool customised_ = false;
 };
 
 /// Returns the stages of Adjust in their order:

@@ -91,6 +91,8 @@ class FlightNetwork {
   /// not cover the nodes.
   FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                 const InitialStates& initial, const FlightNetworkOptions& options = {});
+  FlightNetwork(const Flight&& flight, const std::vector<double>& node_t_s,
+                const InitialStates& initial, const FlightNetworkOptions& options = {}) = delete;
 
   /// Adds one factor per pair, attached to the node before each of its epochs. Call it with a
   /// trajectory that is already good, because the noise of the partial increments is evaluated only
