@@ -77,7 +77,10 @@ class Iteration {
 
   Outcome Step(NormalEquations& equations, SparseCholesky& cholesky) {
     const Eigen::VectorXd gradient = linearization_.TransposeTimes(linearization_.residual());
-    if (gradient.lpNorm<Eigen::Infinity>() <= options_.gradient_tolerance) return Outcome::kEnd;
+    if (gradient.lpNorm<Eigen::Infinity>() <= options_.gradient_tolerance) {
+      report_.end = GaussNewtonReport::End::kGradient;
+      return Outcome::kEnd;
+    }
     const Eigen::VectorXd scale = JacobiScale(equations.N);
     ApplyScale(scale, &equations.N);
     if (!cholesky.Factorize(equations.N, 0.0, options_.threads)) return Outcome::kTooLong;
@@ -102,9 +105,11 @@ class Iteration {
     return Settled(std::max(change, predicted)) ? Outcome::kEnd : Outcome::kGoOn;
   }
 
-  bool Settled(double change) const {
-    return change <= options_.function_tolerance * cost_ ||
-           change < 0.5 * options_.sigma_tolerance * options_.sigma_tolerance;
+  bool Settled(double change) {
+    const bool is_short = options_.sigma_tolerance > 0.0 &&
+                          change < 0.5 * options_.sigma_tolerance * options_.sigma_tolerance;
+    report_.end = is_short ? GaussNewtonReport::End::kShortStep : GaussNewtonReport::End::kCost;
+    return is_short || change <= options_.function_tolerance * cost_;
   }
 
   /// Reports the iteration to on_iteration. Returns false if the solution must stop.

@@ -10,6 +10,9 @@ struct GaussNewtonReport {
   /// True if the steps neither converged nor were stopped: the values are the best so far, and
   /// shorter (damped) steps are needed.
   bool unfinished = false;
+  /// Tolerance that ended the steps; only if they are finished and not interrupted.
+  enum class End { kGradient, kCost, kShortStep };
+  End end = End::kGradient;
   bool interrupted = false;  ///< true if on_iteration returned false
   /// True if the initial cost is defined and was reported to on_iteration.
   bool initial_reported = false;

@@ -89,6 +89,18 @@ CostSummary CountNetwork(const Network& network) {
 constexpr const char* kShortStep = "the last step was shorter than sigma_tolerance";
 constexpr const char* kStopped = "stopped on request";
 
+std::string EndText(GaussNewtonReport::End end) {
+  switch (end) {
+    case GaussNewtonReport::End::kGradient:
+      return "the gradient is below gradient_tolerance";
+    case GaussNewtonReport::End::kCost:
+      return "the last step changed the cost by less than function_tolerance";
+    case GaussNewtonReport::End::kShortStep:
+      break;
+  }
+  return kShortStep;
+}
+
 SolveReport FinishedReport(const GaussNewtonReport& steps, double time_s) {
   SolveReport report;
   report.converged = !steps.interrupted;
@@ -97,7 +109,7 @@ SolveReport FinishedReport(const GaussNewtonReport& steps, double time_s) {
   report.initial_cost = steps.initial_cost;
   report.final_cost = steps.final_cost;
   report.time_s = time_s;
-  report.message = steps.interrupted ? kStopped : kShortStep;
+  report.message = steps.interrupted ? kStopped : EndText(steps.end);
   return report;
 }
 

@@ -124,6 +124,44 @@ TEST(Solve, LeavesInactiveFactorsOutAndUnusedBlocksAlone) {
   EXPECT_EQ(summary.parameters, 1);
 }
 
+// The message names sigma_tolerance only if that was set.
+TEST(Solve, NamesTheToleranceThatEndedIt) {
+  for (const int blocks : {1, 99, 100, 300}) {
+    for (const double sigma_tolerance : {0.0, 1e-3}) {
+      Network net;
+      for (int k = 0; k < blocks; ++k) {
+        const auto x = net.AddScalar(std::to_string(k), 1.0);
+        net.Add([](const auto& v) { return v - 2.0; }, Noise<1>::Sigma(1e-3), x);
+      }
+      const SolveReport report = Solve(net, {.sigma_tolerance = sigma_tolerance});
+      EXPECT_TRUE(report.converged);
+      if (sigma_tolerance == 0.0) {
+        EXPECT_EQ(report.message.find("sigma_tolerance"), std::string::npos) << report.message;
+      }
+      EXPECT_FALSE(report.message.empty());
+    }
+  }
+}
+
+TEST(Solve, HasNoCostWhereAFactorIsUndefined) {
+  for (const int blocks : {1, 120}) {
+    Network net;
+    for (int k = 0; k < blocks; ++k) {
+      const auto x = net.AddScalar(std::to_string(k), -1.0);
+      net.Add(
+          [](const auto& v) {
+            using std::log;
+            return log(v);
+          },
+          Noise<1>::Sigma(1.0), x);
+    }
+    const SolveReport report = Solve(net);
+    EXPECT_FALSE(report.converged);
+    EXPECT_TRUE(std::isnan(report.final_cost));
+    EXPECT_NE(report.message.find("factor 0"), std::string::npos) << report.message;
+  }
+}
+
 // Huber's loss given as a function of one's own: the same solution and covariance by both solvers.
 TEST(Solve, TakesALossOfOnesOwn) {
   const Loss own = Loss::Own([](double s) -> std::array<double, 2> {
