@@ -1,7 +1,9 @@
 #include <ceres/iteration_callback.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <dn/error.h>
 #include <dn/parallel.h>
+#include <dn/solvers/check_jacobians.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
 
@@ -220,6 +222,10 @@ void SolveOptions::Validate() const {
 
 SolveReport Solve(Network& network, const SolveOptions& options) {
   options.Validate();
+  if (options.check_jacobians) {
+    const std::vector<JacobianFault> faults = CheckJacobians(network, {.one_per_class = true});
+    if (!faults.empty()) throw InvalidInput("solve: " + faults[0].text);
+  }
   const QuietLog quiet;
   const SerialBlas serial;
   ceres::Solver::Options ceres_options = CeresOptions(options);

@@ -172,7 +172,7 @@ TEST(Solve, TakesALossOfOnesOwn) {
   for (const int blocks : {1, 120}) {
     for (const bool is_own : {false, true}) {
       Network net;
-      std::vector<Block<Scalar>> x;
+      std::vector<Block<dn::Scalar>> x;
       for (int k = 0; k < blocks; ++k) {
         x.push_back(net.AddScalar("x/" + std::to_string(k), 0.5));
         for (const double z : {0.0, 0.1, 10.0}) {
