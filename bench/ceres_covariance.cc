@@ -1,6 +1,7 @@
 #include "ceres_covariance.h"
 
 #include <ceres/covariance.h>
+#include <dn/ceres.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,15 +12,13 @@
 #include <system_error>
 #include <utility>
 
-#include "ceres_problem.h"
-
 namespace dn::bench {
 namespace {
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks) {
-  internal::CeresProblem problem(network);
+  NetworkProblem problem(network);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (const BlockId b : blocks) {
     const double* value = network.block(b).value.get();

@@ -15,6 +15,8 @@
 
 namespace dn {
 
+class ProblemNetwork;
+
 struct Marginals::Impl {
   using BlockInfo = LinearizedNetwork::Impl::BlockInfo;
 
@@ -44,6 +46,7 @@ struct Marginals::Impl {
   void RequireSelected() const;
 
   LinearizedNetwork linearized;
+  std::shared_ptr<const ProblemNetwork> problem;  ///< only for a ceres::Problem
   int threads = 1;
   Eigen::VectorXd scale;  ///< scale of the unknowns: the factored matrix is scale N scale
   std::unique_ptr<SparseCholesky> cholesky;

@@ -1,6 +1,7 @@
 #include <ceres/iteration_callback.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <dn/ceres.h>
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/solvers/check_jacobians.h>
@@ -14,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "ceres_problem.h"
 #include "factor_text.h"
 #include "flat_check.h"
 #include "gauss_newton.h"
@@ -124,7 +124,7 @@ double DefinedCost(double cost) {
 /// `options`.
 SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
                         const IterationObserver& observer) {
-  internal::CeresProblem problem(network);
+  NetworkProblem problem(network);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem.problem(), &summary);
   problem.RethrowFactorException();

@@ -1,4 +1,5 @@
 #include <ceres/covariance.h>
+#include <dn/ceres.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>
@@ -6,7 +7,6 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "ceres_problem.h"
 #include "solvers/pose_graph.h"
 
 namespace dn::marginals_test {
@@ -169,7 +169,7 @@ TEST(Marginals, HeldBlocksHaveZeroCovariance) {
 
 void ExpectAgreesWithCeresCovariance(PoseGraph& graph) {
   Network& network = graph.network;
-  internal::CeresProblem problem(network);
+  NetworkProblem problem(network);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (BlockId b = 0; b < network.num_blocks(); ++b)
     pairs.emplace_back(network.block(0).value.get(), network.block(b).value.get());

@@ -1,6 +1,18 @@
 #include <dn/factor.h>
 
+#include <algorithm>
+
 namespace dn {
+
+bool EvaluateStored(const FactorBase& factor, double const* const* x, double* r, double** J) {
+  const std::vector<BlockKind>& kinds = factor.block_kinds();
+  const int rows = factor.residual_size();
+  std::fill_n(r, rows, UnwrittenNan());
+  for (std::size_t i = 0; J != nullptr && i < kinds.size(); ++i) {
+    if (J[i] != nullptr) std::fill_n(J[i], rows * kinds[i].stored_size, UnwrittenNan());
+  }
+  return factor.Evaluate(x, r, J);
+}
 
 bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*>& x,
                        Eigen::VectorXd* r, std::vector<Eigen::MatrixXd>* J) {

@@ -382,14 +382,8 @@ bool Network::EvaluateFactor(FactorId id, Eigen::VectorXd* r,
 
 bool Network::EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const {
   const FactorBase& factor = *factor_present(id).factor;
-  const std::vector<BlockKind>& kinds = factor.block_kinds();
-  const int rows = factor.residual_size();
-  std::fill_n(r, rows, UnwrittenNan());
-  for (std::size_t i = 0; J != nullptr && i < kinds.size(); ++i) {
-    if (J[i] != nullptr) std::fill_n(J[i], rows * kinds[i].stored_size, UnwrittenNan());
-  }
   try {
-    return factor.Evaluate(x, r, J);
+    return dn::EvaluateStored(factor, x, r, J);
   } catch (...) {
     NameException(id);
   }

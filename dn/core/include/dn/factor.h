@@ -40,6 +40,9 @@ class FactorBase {
   FactorBase& operator=(const FactorBase&) = default;
 };
 
+/// Calls FactorBase::Evaluate after filling r and the Jacobians with UnwrittenNan().
+bool EvaluateStored(const FactorBase& factor, double const* const* x, double* r, double** J);
+
 /// Evaluates a factor at x (stored values of its blocks): whitened residual r and, if J is not
 /// null, one tangent Jacobian per block. Returns false if the model is undefined.
 bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*>& x,

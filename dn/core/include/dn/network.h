@@ -365,8 +365,8 @@ class Network {
   bool EvaluateFactor(FactorId id, Eigen::VectorXd* r,
                       std::vector<Eigen::MatrixXd>* J = nullptr) const;
 
-  /// Calls FactorBase::Evaluate of one factor at the values x of its blocks, after setting r and J
-  /// to UnwrittenNan(). Throws as EvaluateFactor does.
+  /// Calls dn::EvaluateStored of one factor at the values x of its blocks. Throws as EvaluateFactor
+  /// does.
   bool EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const;
 
  private:

@@ -12,6 +12,10 @@
 #include <type_traits>
 #include <vector>
 
+namespace ceres {
+class Problem;
+}  // namespace ceres
+
 namespace dn {
 
 /// Columns over the unknowns, stored block by block (tangent size of the block x columns). A
@@ -90,6 +94,15 @@ class Marginals {
   explicit Marginals(const LinearizedNetwork& linearized, const MarginalsOptions& options = {});
   /// Linearises the network at its current values first. Also throws what LinearizedNetwork throws.
   explicit Marginals(const Network& network, const MarginalsOptions& options = {});
+  /// Linearises a problem of Ceres at its present values (see ProblemNetwork in dn/ceres.h). Serves
+  /// as ceres::Covariance does, for every pair of parameter blocks at the cost of one factorisation:
+  ///
+  ///   const dn::Marginals marginals(problem);
+  ///   const Eigen::MatrixXd covariance = marginals.Covariance(camera, point);
+  ///
+  /// The covariances are in the tangent spaces of the manifolds. Also throws InvalidInput naming a
+  /// residual block whose cost function fails. The problem must outlive this object.
+  explicit Marginals(const ceres::Problem& problem, const MarginalsOptions& options = {});
   ~Marginals();
   Marginals(Marginals&&) noexcept;
   Marginals& operator=(Marginals&&) noexcept;
@@ -122,6 +135,15 @@ class Marginals {
                                                                              Block<KindB> b) const {
     return Covariance(linearized().Id(a), linearized().Id(b));
   }
+
+  /// Returns the covariance of one or two parameter blocks of a ceres::Problem. Throws InvalidInput
+  /// for an address that the problem did not have.
+  Eigen::MatrixXd Covariance(const double* a) const { return Covariance(Find(a)); }
+  Eigen::MatrixXd Covariance(const double* a, const double* b) const {
+    return Covariance(Find(a), Find(b));
+  }
+  /// Returns the block of a parameter block of a ceres::Problem.
+  BlockId Find(const double* parameter_block) const;
 
   /// Returns the covariance columns of some blocks: one pair of triangular solves per column.
   Columns SolveColumns(const std::vector<BlockId>& blocks) const;

@@ -1,27 +1,50 @@
-#include "ceres_problem.h"
-
 #include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
+#include <dn/ceres.h>
+#include <dn/error.h>
 #include <dn/solvers/robust_loss.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+#include "block_manifold.h"
+
+namespace dn {
 namespace {
 
-/// Ceres cost function that evaluates a factor of the network.
-class FactorCost final : public ceres::CostFunction {
+/// Cost function of a factor.
+class FactorCostFunction : public ceres::CostFunction {
  public:
-  FactorCost(const Network& network, FactorId id, FactorException* exception)
-      : network_(network), id_(id), exception_(exception) {
-    const FactorBase& factor = *network.factor(id).factor;
-    set_num_residuals(factor.residual_size());
-    for (const BlockKind& kind : factor.block_kinds()) {
+  explicit FactorCostFunction(std::shared_ptr<const FactorBase> factor)
+      : factor_(std::move(factor)) {
+    set_num_residuals(factor_->residual_size());
+    for (const BlockKind& kind : factor_->block_kinds()) {
       mutable_parameter_block_sizes()->push_back(kind.stored_size);
     }
   }
+
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    try {
+      return EvaluateStored(*factor_, x, r, J);
+    } catch (...) {
+      return false;
+    }
+  }
+
+ private:
+  std::shared_ptr<const FactorBase> factor_;
+};
+
+/// Cost function of a factor of a network, which stores exceptions.
+class NetworkCostFunction final : public FactorCostFunction {
+ public:
+  NetworkCostFunction(const Network& network, FactorId id, internal::FactorException* exception)
+      : FactorCostFunction(network.factor(id).factor),
+        network_(network),
+        id_(id),
+        exception_(exception) {}
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     if (exception_->present()) return false;
@@ -36,7 +59,7 @@ class FactorCost final : public ceres::CostFunction {
  private:
   const Network& network_;
   FactorId id_;
-  FactorException* exception_;
+  internal::FactorException* exception_;
 };
 
 /// A user's loss function with first-order weights.
@@ -76,18 +99,17 @@ ceres::Problem::Options Ownership() {
 
 }  // namespace
 
+namespace internal {
+
 bool BlockManifold::Plus(const double* x, const double* d, double* x_plus_d) const {
   dn::Plus(kind_, x, d, x_plus_d);
   return true;
 }
 
 bool BlockManifold::PlusJacobian(const double* x, double* J) const {
-  if (kind_.parametrisation == Parametrisation::kManifold) {
-    kind_.manifold->PlusJacobian(x, J);
-  } else {
-    Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
-    out = RotationPlusJacobian(kind_.parametrisation, x);
-  }
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> out(
+      J, kind_.stored_size, kind_.tangent_size);
+  out = dn::PlusJacobian(kind_, x);
   return true;
 }
 
@@ -113,36 +135,50 @@ void FactorException::Rethrow() const {
   if (exception_) std::rethrow_exception(exception_);
 }
 
-CeresProblem::CeresProblem(Network& network) : problem_(Ownership()) {
+}  // namespace internal
+
+std::unique_ptr<ceres::Manifold> MakeCeresManifold(const BlockKind& kind) {
+  if (kind.stored_size < 1) throw InvalidInput("ceres: a block kind of size 0 has no manifold");
+  return std::make_unique<internal::BlockManifold>(kind);
+}
+
+std::unique_ptr<ceres::CostFunction> MakeCostFunction(std::shared_ptr<const FactorBase> factor) {
+  if (factor == nullptr) throw InvalidInput("ceres: no factor is given for a cost function");
+  return std::make_unique<FactorCostFunction>(std::move(factor));
+}
+
+NetworkProblem::NetworkProblem(Network& network) : problem_(Ownership()) {
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     if (network.factor(id).active) AddFactor(network, id);
   }
 }
 
-void CeresProblem::AddFactor(Network& network, FactorId id) {
+NetworkProblem::~NetworkProblem() = default;
+
+void NetworkProblem::AddFactor(Network& network, FactorId id) {
   const FactorRecord& record = network.factor(id);
   std::vector<double*> values;
   for (const BlockId b : record.blocks) {
     AddBlock(network.block(b));
     values.push_back(network.block(b).value.get());
   }
-  auto cost = std::make_unique<FactorCost>(network, id, &exception_);
+  auto cost = std::make_unique<NetworkCostFunction>(network, id, &exception_);
   problem_.AddResidualBlock(cost.release(), MakeLoss(record.loss).release(), values);
 }
 
-void CeresProblem::AddBlock(BlockRecord& block) {
+void NetworkProblem::AddBlock(BlockRecord& block) {
   double* value = block.value.get();
   if (problem_.HasParameterBlock(value)) return;
   problem_.AddParameterBlock(value, block.kind.stored_size, FindManifold(block.kind));
   if (block.held) problem_.SetParameterBlockConstant(value);
 }
 
-ceres::Manifold* CeresProblem::FindManifold(const BlockKind& kind) {
+ceres::Manifold* NetworkProblem::FindManifold(const BlockKind& kind) {
   if (kind.parametrisation == Parametrisation::kVector) return nullptr;
-  for (BlockManifold& manifold : manifolds_) {
-    if (manifold.kind() == kind) return &manifold;
+  for (const auto& [known, manifold] : manifolds_) {
+    if (known == kind) return manifold.get();
   }
-  return &manifolds_.emplace_back(kind);
+  return manifolds_.emplace_back(kind, MakeCeresManifold(kind)).second.get();
 }
 
-}  // namespace dn::internal
+}  // namespace dn
