@@ -5,6 +5,7 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/solvers/check_jacobians.h>
+#include <dn/solvers/eliminate.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
 
@@ -238,6 +239,7 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
                            : Attempt(network, options, ceres_options, &observer);
   report.adjusted = CountNetwork(network);
   report.adjusted.cost = report.final_cost;
+  for (const MovedPrior& prior : FindMovedPriors(network)) report.warnings.push_back(prior.text);
   return report;
 }
 

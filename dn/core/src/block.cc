@@ -1,4 +1,5 @@
 #include <dn/block.h>
+#include <dn/ridders.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -60,6 +61,30 @@ Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x) {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(kind.stored_size,
                                                                            kind.tangent_size);
   kind.manifold->PlusJacobian(x, J.data());
+  return J;
+}
+
+Eigen::MatrixXd MinusJacobian(const BlockKind& kind, const double* y, const double* x) {
+  const Eigen::Index n = kind.tangent_size;
+  if (kind.parametrisation == Parametrisation::kVector) return Eigen::MatrixXd::Identity(n, n);
+  if (kind.parametrisation != Parametrisation::kManifold) {
+    Eigen::Vector3d phi;
+    Minus(kind, y, x, phi.data());
+    return RightJacobianInverse(kind.parametrisation == Parametrisation::kRotationRight ? phi
+                                                                                        : -phi);
+  }
+  constexpr double kFirstStep = 1e-3;
+  Eigen::MatrixXd J(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto moved = [&](double step) {
+      const Eigen::VectorXd d = step * Eigen::VectorXd::Unit(n, k);
+      Eigen::VectorXd to(kind.stored_size), difference(n);
+      Plus(kind, y, d.data(), to.data());
+      Minus(kind, to.data(), x, difference.data());
+      return difference;
+    };
+    J.col(k) = RiddersDerivative(moved, kFirstStep).value;
+  }
   return J;
 }
 

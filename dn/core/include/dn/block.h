@@ -92,6 +92,10 @@ void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plu
 /// Computes y (-) x, so that Plus(x, Minus(y, x)) = y.
 void Minus(const BlockKind& kind, const double* y, const double* x, double* y_minus_x);
 
+/// Returns d Minus(Plus(y, d), x) / d d at d = 0, tangent_size x tangent_size; numerical for a kind
+/// with functions of its own.
+Eigen::MatrixXd MinusJacobian(const BlockKind& kind, const double* y, const double* x);
+
 /// Returns d Plus(x, d) / d d at d = 0, stored_size x tangent_size.
 Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x);
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace dn {
 
@@ -87,6 +88,8 @@ struct SolveReport {
   double final_cost = 0.0;    ///< NaN likewise
   CostSummary adjusted;  ///< cost of the network at the final values, with redundancy and sigma0
   double time_s = 0.0;
+  /// Reasons to distrust the result: priors of Eliminate that have moved too far.
+  std::vector<std::string> warnings;
   std::string message;  ///< reason for stopping; names the factor if one is undefined
 };
 
