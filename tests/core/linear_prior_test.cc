@@ -54,7 +54,7 @@ TEST(LinearPrior, HasRightJacobiansForEveryKind) {
     const LinearPrior prior(
         kinds, Stacked({rotation(), testing::RandomVector(rng, 5.0), rotation(), PoseNumbers(rng)}),
         Eigen::MatrixXd::Random(6, 15), Eigen::VectorXd::Random(6));
-    ExpectFactorConsistent(
+    testing::ExpectFactorConsistent(
         prior, {rotation(), testing::RandomVector(rng, 5.0), rotation(), PoseNumbers(rng)});
   }
 }
