@@ -2,6 +2,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <dn/parallel.h>
+#include <dn/seconds_since.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
 
@@ -14,11 +15,9 @@
 #include "ceres_problem.h"
 #include "factor_text.h"
 #include "flat_check.h"
-#include "gauss_newton.h"
 #include "linearization.h"
 #include "quiet_log.h"
-#include "seconds_since.h"
-#include "serial_blas.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 namespace {
@@ -88,7 +87,7 @@ CostSummary CountNetwork(const Network& network) {
 constexpr const char* kShortStep = "the last step was shorter than sigma_tolerance";
 constexpr const char* kStopped = "stopped on request";
 
-SolveReport FinishedReport(const GaussNewtonReport& steps, double time_s) {
+SolveReport FinishedReport(const sparse::GaussNewtonReport& steps, double time_s) {
   SolveReport report;
   report.converged = !steps.interrupted;
   report.interrupted = steps.interrupted;
@@ -138,9 +137,9 @@ constexpr int kLargeNetwork = 100;
 SolveReport Attempt(Network& network, const SolveOptions& options,
                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const auto start = std::chrono::steady_clock::now();
-  GaussNewtonReport undamped;
+  sparse::GaussNewtonReport undamped;
   if (options.start_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
-    undamped = GaussNewton(network, options);
+    undamped = sparse::GaussNewton(network, options);
     if (!undamped.unfinished) return FinishedReport(undamped, SecondsSince(start));
   }
   if (undamped.initial_reported) observer->ContinueAfter(undamped.iterations);
@@ -203,7 +202,7 @@ void SolveOptions::Validate() const {
 SolveReport Solve(Network& network, const SolveOptions& options) {
   options.Validate();
   const QuietLog quiet;
-  const SerialBlas serial;
+  const sparse::SerialBlas serial;
   ceres::Solver::Options ceres_options = CeresOptions(options);
   IterationObserver observer(options);
   if (options.on_iteration || options.sigma_tolerance > 0.0) {

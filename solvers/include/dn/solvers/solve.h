@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/network.h>
+#include <dn/solvers/linear_algebra.h>
 #include <dn/solvers/shared_analysis.h>
 
 #include <cmath>
@@ -41,6 +42,8 @@ struct SolveOptions {
   /// Repeats a solution from the initial values with shorter steps if it ends on a plateau. On a
   /// plateau, an unknown has lost its influence on the residuals. The check costs two evaluations.
   bool second_attempt = true;
+  /// Factorisation of the Gauss-Newton steps.
+  LinearAlgebra linear_algebra = DefaultLinearAlgebra();
   /// If given, the elimination order and its analysis are shared with other solutions; see
   /// SharedAnalysis.
   std::shared_ptr<SharedAnalysis> analysis = {};
