@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
+#include <dn/seconds_since.h>
 
 #include <Eigen/Cholesky>
 #include <chrono>
@@ -9,10 +10,7 @@
 
 #include "marginals_impl.h"
 #include "rank.h"
-#include "seconds_since.h"
-#include "serial_blas.h"
-#include "shared_analysis_impl.h"
-#include "triangular_solve.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 namespace {
@@ -49,11 +47,11 @@ void Marginals::Impl::Factor(const MarginalsOptions& options) {
   const std::shared_ptr<SharedAnalysis> shared =
       options.analysis ? options.analysis : std::make_shared<SharedAnalysis>();
   auto start = std::chrono::steady_clock::now();
-  shared->impl().Assemble(layout(), linearization);
-  SymmetricCsc& N = shared->impl().equations->N;
-  scale = JacobiScale(N);
-  ApplyScale(scale, &N);
-  cholesky = std::make_unique<SparseCholesky>(*shared->impl().cholesky);
+  shared->impl().Assemble(layout(), linearization, options.linear_algebra);
+  sparse::SymmetricCsc& N = shared->impl().equations->N;
+  scale = sparse::JacobiScale(N);
+  sparse::ApplyScale(scale, &N);
+  cholesky = std::make_unique<sparse::Cholesky>(*shared->impl().cholesky);
   timings.analyze_s = shared->impl().analyze_s;
   timings.assemble_s = SecondsSince(start) - timings.analyze_s;
 
@@ -68,7 +66,8 @@ void Marginals::Impl::Factor(const MarginalsOptions& options) {
   timings.rank_s = SecondsSince(start);
 }
 
-void Marginals::Impl::ExamineRank(const SymmetricCsc& scaled_N, bool definite, double tolerance) {
+void Marginals::Impl::ExamineRank(const sparse::SymmetricCsc& scaled_N, bool definite,
+                                  double tolerance) {
   const ScaledDirections weak =
       FindFreeDirections(network().linearization, scale, scaled_N, *cholesky);
   const Eigen::Index free = (weak.information.array() < tolerance).count();
@@ -154,7 +153,7 @@ void Marginals::Impl::Project(Eigen::Ref<Eigen::MatrixXd> E) const {
       }
     });
   }
-  SolveInPlace(cholesky->pattern(), cholesky->values(), static_cast<int>(E.rows()), W.data());
+  cholesky->SolveInPlace(W);
   for (const Linearization::Edge& edge : linearization.edges()) {
     for_unknowns(edge, [&](int at, const auto& J, double scale_of) {
       for (int r = 0; r < edge.rows; ++r) {
@@ -239,14 +238,14 @@ Marginals::Marginals(const Network& network, const MarginalsOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   LinearizedNetwork linearized(network, options.threads);
   const double evaluate_s = SecondsSince(start);
-  const SerialBlas serial;
+  const sparse::SerialBlas serial;
   impl_ = std::make_shared<Impl>(std::move(linearized), options);
   impl_->timings.assemble_s += evaluate_s;
 }
 
 Marginals::Marginals(const LinearizedNetwork& linearized, const MarginalsOptions& options) {
   options.Validate();
-  const SerialBlas serial;
+  const sparse::SerialBlas serial;
   impl_ = std::make_shared<Impl>(linearized, options);
 }
 
@@ -297,8 +296,8 @@ Eigen::MatrixXd Marginals::Solve(const Eigen::MatrixXd& rhs) const {
 void Marginals::ComputeSelectedInverse() {
   if (impl_->selected || impl_->layout().size() == 0) return;
   const auto start = std::chrono::steady_clock::now();
-  const SerialBlas serial;
-  impl_->selected = std::make_unique<SelectedInverse>(*impl_->cholesky, impl_->threads);
+  const sparse::SerialBlas serial;
+  impl_->selected = std::make_unique<sparse::SelectedInverse>(*impl_->cholesky, impl_->threads);
   impl_->timings.selected_inverse_s = SecondsSince(start);
 }
 
@@ -341,7 +340,7 @@ void Marginals::ProjectRows(Eigen::MatrixXd* E) const {
   if (num_parameters() == 0) return;
   ParallelForChunks(AsSize(E->rows()), kProjectedTogether, impl_->threads,
                     [&](std::size_t, std::size_t first, std::size_t past) {
-                      const SerialBlas serial;
+                      const sparse::SerialBlas serial;
                       impl_->Project(E->middleRows(static_cast<Eigen::Index>(first),
                                                    static_cast<Eigen::Index>(past - first)));
                     });

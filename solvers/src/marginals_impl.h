@@ -9,9 +9,7 @@
 #include <vector>
 
 #include "linearized_impl.h"
-#include "normal_equations.h"
-#include "selected_inverse.h"
-#include "sparse_cholesky.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 
@@ -49,15 +47,15 @@ struct Marginals::Impl {
   std::shared_ptr<const ProblemNetwork> problem;  ///< only for a ceres::Problem
   int threads = 1;
   Eigen::VectorXd scale;  ///< scale of the unknowns: the factored matrix is scale N scale
-  std::unique_ptr<SparseCholesky> cholesky;
-  std::unique_ptr<SelectedInverse> selected;
+  std::unique_ptr<sparse::Cholesky> cholesky;
+  std::unique_ptr<sparse::SelectedInverse> selected;
   Timings timings;
   std::map<BlockId, Eigen::MatrixXd> cache;
   std::size_t cached = 0;
 
  private:
   void Factor(const MarginalsOptions& options);
-  void ExamineRank(const SymmetricCsc& scaled_N, bool definite, double tolerance);
+  void ExamineRank(const sparse::SymmetricCsc& scaled_N, bool definite, double tolerance);
 };
 
 }  // namespace dn

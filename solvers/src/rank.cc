@@ -42,7 +42,7 @@ Eigen::MatrixXd Orthonormalised(const Eigen::MatrixXd& X) {
 }
 
 /// Returns an orthonormal basis of X, A^-1 X, A^-2 X, ...
-Eigen::MatrixXd InverseKrylovBasis(const SparseCholesky& cholesky, const Eigen::MatrixXd& X) {
+Eigen::MatrixXd InverseKrylovBasis(const sparse::Cholesky& cholesky, const Eigen::MatrixXd& X) {
   const Eigen::Index n = X.rows(), width = X.cols();
   Eigen::MatrixXd basis = X;
   for (int step = 0; step < kKrylovSteps && basis.cols() < n; ++step) {
@@ -134,7 +134,7 @@ ScaledDirections BestWithin(const Linearization& linearization, const Eigen::Vec
 }  // namespace
 
 double ProbeInformation(const Linearization& linearization, const Eigen::VectorXd& scale,
-                        const SparseCholesky& cholesky) {
+                        const sparse::Cholesky& cholesky) {
   Eigen::MatrixXd x = RandomMatrix(scale.size(), 1);
   for (int i = 0; i < kProbeIterations; ++i) {
     x = cholesky.Solve(x);
@@ -145,8 +145,9 @@ double ProbeInformation(const Linearization& linearization, const Eigen::VectorX
 }
 
 ScaledDirections FindFreeDirections(const Linearization& linearization,
-                                    const Eigen::VectorXd& scale, const SymmetricCsc& scaled_N,
-                                    SparseCholesky& cholesky) {
+                                    const Eigen::VectorXd& scale,
+                                    const sparse::SymmetricCsc& scaled_N,
+                                    sparse::Cholesky& cholesky) {
   double shift = kFirstShift;
   while (!cholesky.Factorize(scaled_N, shift) && shift < kLastShift) shift *= 10.0;
   Eigen::MatrixXd X = Orthonormalised(
@@ -157,8 +158,8 @@ ScaledDirections FindFreeDirections(const Linearization& linearization,
 }
 
 ScaledDirections FindWeakestDirections(const Linearization& linearization,
-                                       const Eigen::VectorXd& scale, const SparseCholesky& cholesky,
-                                       Eigen::Index k) {
+                                       const Eigen::VectorXd& scale,
+                                       const sparse::Cholesky& cholesky, Eigen::Index k) {
   const Eigen::Index n = scale.size();
   k = std::min(k, n);
   const Eigen::Index width = std::min(k + kSpareDirections, n);

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "linearized_impl.h"
-#include "normal_equations.h"
-#include "sparse_cholesky.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 
@@ -23,20 +22,21 @@ struct ScaledDirections {
 /// Returns an upper bound of the smallest information, by a few inverse iterations with the factor
 /// of the scaled normal matrix. An undetermined direction gives a value near rounding error.
 double ProbeInformation(const Linearization& linearization, const Eigen::VectorXd& scale,
-                        const SparseCholesky& cholesky);
+                        const sparse::Cholesky& cholesky);
 
 /// Returns the weakest directions (at most eight) of a matrix that may be singular, by inverse
 /// subspace iteration with a slightly shifted matrix. `cholesky` contains the shifted factor
 /// afterwards.
 ScaledDirections FindFreeDirections(const Linearization& linearization,
-                                    const Eigen::VectorXd& scale, const SymmetricCsc& scaled_N,
-                                    SparseCholesky& cholesky);
+                                    const Eigen::VectorXd& scale,
+                                    const sparse::SymmetricCsc& scaled_N,
+                                    sparse::Cholesky& cholesky);
 
 /// Returns the k weakest directions of a matrix whose factor is available, by inverse iteration
 /// over blocks of vectors. Their information is accurate to about 1e-10 of its size.
 ScaledDirections FindWeakestDirections(const Linearization& linearization,
-                                       const Eigen::VectorXd& scale, const SparseCholesky& cholesky,
-                                       Eigen::Index k);
+                                       const Eigen::VectorXd& scale,
+                                       const sparse::Cholesky& cholesky, Eigen::Index k);
 
 /// Returns the unknowns that contribute to a direction, largest first, combined by name over all
 /// epochs.

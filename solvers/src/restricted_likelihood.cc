@@ -10,9 +10,7 @@
 #include <string>
 
 #include "linearized_impl.h"
-#include "normal_equations.h"
-#include "serial_blas.h"
-#include "sparse_cholesky.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 namespace {
@@ -45,10 +43,10 @@ void CheckTheta(double theta, double largest_share) {
 class Likelihood {
  public:
   /// `analysed` has the analysed pattern of `equations`; null if there are no unknowns.
-  Likelihood(const LinearizedNetwork::Impl& network, const NormalEquations& equations,
-             const SparseCholesky* analysed)
+  Likelihood(const LinearizedNetwork::Impl& network, const sparse::NormalEquations& equations,
+             const sparse::Cholesky* analysed)
       : network_(network), equations_(equations) {
-    if (analysed != nullptr) cholesky_ = std::make_unique<SparseCholesky>(*analysed);
+    if (analysed != nullptr) cholesky_ = std::make_unique<sparse::Cholesky>(*analysed);
   }
 
   double At(const Eigen::VectorXd& variance) {
@@ -63,8 +61,8 @@ class Likelihood {
   double UnknownsTerm(const Eigen::VectorXd& variance, const Eigen::VectorXd& weighted) {
     const Linearization& linearization = network_.linearization;
     equations_.Assemble(network_.layout, linearization, variance.cwiseInverse());
-    const Eigen::VectorXd scale = JacobiScale(equations_.N);
-    ApplyScale(scale, &equations_.N);
+    const Eigen::VectorXd scale = sparse::JacobiScale(equations_.N);
+    sparse::ApplyScale(scale, &equations_.N);
     if (!cholesky_->Factorize(equations_.N)) {
       throw RankDeficient("restricted likelihood: the normal matrix cannot be factored");
     }
@@ -74,8 +72,8 @@ class Likelihood {
   }
 
   const LinearizedNetwork::Impl& network_;
-  NormalEquations equations_;
-  std::unique_ptr<SparseCholesky> cholesky_;
+  sparse::NormalEquations equations_;
+  std::unique_ptr<sparse::Cholesky> cholesky_;
 };
 
 /// Calls use(R) for matrices with R R^T = M on average, and returns the number of calls.
@@ -111,14 +109,15 @@ struct VarianceLikelihood::Impl {
         equations(network.layout, network.linearization),
         workers(static_cast<std::size_t>(std::clamp(threads, 1, kMaxThreads))) {
     if (network.layout.size() == 0) return;
-    analysed = std::make_unique<SparseCholesky>(equations.N, equations.blocks, network.layout);
+    analysed = std::make_unique<sparse::Cholesky>(equations.N, equations.blocks, network.layout,
+                                                  DefaultLinearAlgebra());
   }
 
   void Compute(const std::vector<double>& thetas) {
     const std::size_t size = std::min(workers.size(), thetas.size());
     std::vector<double> values(thetas.size());
     ParallelFor(static_cast<int>(size), static_cast<int>(size), [&](int thread) {
-      const SerialBlas serial;
+      const sparse::SerialBlas serial;
       std::unique_ptr<Likelihood>& worker = workers[static_cast<std::size_t>(thread)];
       if (!worker) worker = std::make_unique<Likelihood>(network, equations, analysed.get());
       for (auto k = static_cast<std::size_t>(thread); k < thetas.size(); k += size) {
@@ -130,8 +129,8 @@ struct VarianceLikelihood::Impl {
 
   const LinearizedNetwork::Impl& network;
   Eigen::VectorXd share;
-  NormalEquations equations;
-  std::unique_ptr<const SparseCholesky> analysed;
+  sparse::NormalEquations equations;
+  std::unique_ptr<const sparse::Cholesky> analysed;
   std::vector<std::unique_ptr<Likelihood>> workers;  // one per thread
   std::map<double, double> known;
 };

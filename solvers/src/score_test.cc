@@ -12,11 +12,9 @@
 #include <string>
 #include <utility>
 
-#include "blas.h"
-#include "large_array.h"
 #include "linearized_impl.h"
 #include "marginals_impl.h"
-#include "serial_blas.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 namespace {
@@ -179,7 +177,7 @@ class Projections {
   Projections(const Marginals::Impl& marginals, Eigen::Index columns, Eigen::Index num_watched)
       : marginals_(marginals),
         columns_(columns),
-        zeros_(NewZeros(AsSize(columns + num_watched) * AsSize(layout().size()))),
+        zeros_(sparse::NewZeros(AsSize(columns + num_watched) * AsSize(layout().size()))),
         W_(zeros_.get(), columns + num_watched, layout().size()) {}
 
   /// Adds a factor to the effect columns [begin, past). Disjoint ranges may run in parallel.
@@ -223,7 +221,7 @@ class Projections {
     marginals_.cholesky->SolveForward(marginals_.threads, W_);
     std::vector<Eigen::MatrixXd> shares(kShares);
     ParallelFor(kShares, marginals_.threads, [&](int k) {
-      const SerialBlas serial;
+      const sparse::SerialBlas serial;
       const Eigen::Index first = W_.cols() * k / kShares, past = W_.cols() * (k + 1) / kShares;
       shares[AsSize(k)] = OwnProduct(first, past);
     });
@@ -240,7 +238,7 @@ class Projections {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(W_.rows(), W_.rows());
     const auto n = static_cast<int>(W_.rows()), k = static_cast<int>(past - first);
     if (k > 0) {
-      dsyrk_("L", "N", &n, &k, &kOne, W_.col(first).data(), &n, &kZero, product.data(), &n);
+      sparse::Square(n, k, W_.col(first).data(), product.data());
     }
     return product;
   }
@@ -252,7 +250,7 @@ class Projections {
 
   const Marginals::Impl& marginals_;
   Eigen::Index columns_;
-  std::unique_ptr<double[], FreeZeros> zeros_;
+  std::unique_ptr<double[], sparse::FreeZeros> zeros_;
   // One column for each unknown, in the order of the factorisation.
   Eigen::Map<Eigen::MatrixXd> W_;
 };

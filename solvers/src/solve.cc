@@ -4,6 +4,7 @@
 #include <dn/ceres.h>
 #include <dn/error.h>
 #include <dn/parallel.h>
+#include <dn/seconds_since.h>
 #include <dn/solvers/check_jacobians.h>
 #include <dn/solvers/eliminate.h>
 #include <dn/solvers/robust_loss.h>
@@ -18,11 +19,9 @@
 
 #include "factor_text.h"
 #include "flat_check.h"
-#include "gauss_newton.h"
 #include "linearization.h"
 #include "quiet_log.h"
-#include "seconds_since.h"
-#include "serial_blas.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 namespace {
@@ -92,19 +91,19 @@ CostSummary CountNetwork(const Network& network) {
 constexpr const char* kShortStep = "the last step was shorter than sigma_tolerance";
 constexpr const char* kStopped = "stopped on request";
 
-std::string EndText(GaussNewtonReport::End end) {
+std::string EndText(sparse::GaussNewtonReport::End end) {
   switch (end) {
-    case GaussNewtonReport::End::kGradient:
+    case sparse::GaussNewtonReport::End::kGradient:
       return "the gradient is below gradient_tolerance";
-    case GaussNewtonReport::End::kCost:
+    case sparse::GaussNewtonReport::End::kCost:
       return "the last step changed the cost by less than function_tolerance";
-    case GaussNewtonReport::End::kShortStep:
+    case sparse::GaussNewtonReport::End::kShortStep:
       break;
   }
   return kShortStep;
 }
 
-SolveReport FinishedReport(const GaussNewtonReport& steps, double time_s) {
+SolveReport FinishedReport(const sparse::GaussNewtonReport& steps, double time_s) {
   SolveReport report;
   report.converged = !steps.interrupted;
   report.interrupted = steps.interrupted;
@@ -159,9 +158,9 @@ constexpr int kLargeNetwork = 100;
 SolveReport Attempt(Network& network, const SolveOptions& options,
                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const auto start = std::chrono::steady_clock::now();
-  GaussNewtonReport undamped;
+  sparse::GaussNewtonReport undamped;
   if (options.start_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
-    undamped = GaussNewton(network, options);
+    undamped = sparse::GaussNewton(network, options);
     if (!undamped.unfinished) return FinishedReport(undamped, SecondsSince(start));
   }
   if (undamped.initial_reported) observer->ContinueAfter(undamped.iterations);
@@ -228,7 +227,7 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
     if (!faults.empty()) throw InvalidInput("solve: " + faults[0].text);
   }
   const QuietLog quiet;
-  const SerialBlas serial;
+  const sparse::SerialBlas serial;
   ceres::Solver::Options ceres_options = CeresOptions(options);
   IterationObserver observer(options);
   if (options.on_iteration || options.sigma_tolerance > 0.0) {

@@ -6,7 +6,7 @@
 
 #include "marginals_impl.h"
 #include "rank.h"
-#include "serial_blas.h"
+#include "sparse/sparse.h"
 
 namespace dn {
 
@@ -17,7 +17,7 @@ std::vector<WeakDirection> WeakDirections(const Marginals& marginals, int k) {
   }
   const Marginals::Impl& impl = marginals.impl();
   if (impl.layout().size() == 0) return {};
-  const SerialBlas serial;
+  const sparse::SerialBlas serial;
   const ScaledDirections found =
       FindWeakestDirections(impl.network().linearization, impl.scale, *impl.cholesky, k);
   std::vector<WeakDirection> directions;

@@ -1,4 +1,4 @@
-#include "elimination_order.h"
+#include "sparse/elimination_order.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@ namespace dn::elimination_order_test {
 
 /// Returns the pattern of a cube of side^3 blocks, in which each block shares a factor with its
 /// neighbours.
-SymmetricCsc CubePattern(int side) {
-  SymmetricCsc pattern;
+sparse::SymmetricCsc CubePattern(int side) {
+  sparse::SymmetricCsc pattern;
   pattern.n = side * side * side;
   pattern.column_start.push_back(0);
   for (int i = 0; i < pattern.n; ++i) {
@@ -34,12 +34,12 @@ void ExpectPermutation(std::vector<int> order, int n) {
 
 TEST(EliminationOrder, DissectsWhereMinimumDegreeLeavesMuchToDo) {
   constexpr int kSide = 24;
-  const SymmetricCsc cube = CubePattern(kSide);
-  const EliminationOrder order = FindEliminationOrder(cube, 6 * cube.n);
+  const sparse::SymmetricCsc cube = CubePattern(kSide);
+  const sparse::EliminationOrder order = sparse::FindEliminationOrder(cube, 6 * cube.n);
   EXPECT_TRUE(order.dissected);
   ExpectPermutation(order.position, cube.n);
 
-  const EliminationOrder small_blocks = FindEliminationOrder(cube, cube.n);
+  const sparse::EliminationOrder small_blocks = sparse::FindEliminationOrder(cube, cube.n);
   EXPECT_FALSE(small_blocks.dissected);
   ExpectPermutation(small_blocks.position, cube.n);
   EXPECT_LT(order.block_operations, 0.9 * small_blocks.block_operations);
@@ -47,7 +47,7 @@ TEST(EliminationOrder, DissectsWhereMinimumDegreeLeavesMuchToDo) {
 
 // A chain of n blocks needs one multiplication per block in addition to the diagonal.
 TEST(EliminationOrder, CountsTheOperations) {
-  SymmetricCsc chain;
+  sparse::SymmetricCsc chain;
   chain.n = 1000;
   chain.column_start.push_back(0);
   for (int i = 0; i < chain.n; ++i) {
@@ -55,14 +55,14 @@ TEST(EliminationOrder, CountsTheOperations) {
     if (i + 1 < chain.n) chain.row.push_back(i + 1);
     chain.column_start.push_back(static_cast<int>(chain.row.size()));
   }
-  const EliminationOrder order = FindEliminationOrder(chain, 2 * chain.n);
+  const sparse::EliminationOrder order = sparse::FindEliminationOrder(chain, 2 * chain.n);
   EXPECT_FALSE(order.dissected);
   EXPECT_NEAR(order.block_operations, 2.0 * chain.n, 0.01 * chain.n);
   EXPECT_DOUBLE_EQ(order.operations(2 * chain.n), 8.0 * order.block_operations);
 }
 
 TEST(EliminationOrder, NothingHasAnEmptyOne) {
-  const EliminationOrder order = FindEliminationOrder({0, {0}, {}, {}}, 0);
+  const sparse::EliminationOrder order = sparse::FindEliminationOrder({0, {0}, {}, {}}, 0);
   EXPECT_TRUE(order.position.empty());
   EXPECT_EQ(order.operations(0), 0.0);
 }

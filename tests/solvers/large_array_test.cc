@@ -1,4 +1,4 @@
-#include "large_array.h"
+#include "sparse/large_array.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@ namespace dn::large_array_test {
 constexpr std::size_t kMillion = 1000000;
 
 TEST(ArrayPool, GivesWhatIsDoneWithToTheNext) {
-  ArrayPool pool(2);
-  PooledArray first = pool.New(kMillion);
+  sparse::ArrayPool pool(2);
+  sparse::PooledArray first = pool.New(kMillion);
   const double* place = first.get();
-  const PooledArray beside = pool.New(kMillion);
+  const sparse::PooledArray beside = pool.New(kMillion);
   EXPECT_NE(beside.get(), place);
   first.reset();
   EXPECT_EQ(pool.New(kMillion + kMillion / 100).get(), place) << "a little larger";
@@ -22,9 +22,9 @@ TEST(ArrayPool, GivesWhatIsDoneWithToTheNext) {
 }
 
 TEST(ArrayPool, TakesTheSmallestThatFits) {
-  ArrayPool pool(3);
-  PooledArray large = pool.New(2 * kMillion), small = pool.New(kMillion),
-              middle = pool.New(3 * kMillion / 2);
+  sparse::ArrayPool pool(3);
+  sparse::PooledArray large = pool.New(2 * kMillion), small = pool.New(kMillion),
+                      middle = pool.New(3 * kMillion / 2);
   const double* place = small.get();
   large.reset();
   small.reset();
@@ -33,11 +33,11 @@ TEST(ArrayPool, TakesTheSmallestThatFits) {
 }
 
 TEST(ArrayPool, EveryNumberOfAnArrayIsItsOwn) {
-  ArrayPool pool(2);
+  sparse::ArrayPool pool(2);
   const auto fill = [&pool](std::size_t size, double value) {
     for (int i = 0; i < 40; ++i) {
       const std::size_t n = size + static_cast<std::size_t>(i) * size / 20;
-      const PooledArray array = pool.New(n);
+      const sparse::PooledArray array = pool.New(n);
       std::fill_n(array.get(), n, value);
       std::this_thread::yield();
       ASSERT_EQ(std::count(array.get(), array.get() + n, value), static_cast<std::ptrdiff_t>(n));
@@ -49,15 +49,15 @@ TEST(ArrayPool, EveryNumberOfAnArrayIsItsOwn) {
 }
 
 TEST(ArrayPool, WhatIsSmallOrTooManyIsFreed) {
-  ArrayPool none(0);
+  sparse::ArrayPool none(0);
   none.New(kMillion).reset();
-  ArrayPool pool(1);
-  PooledArray a = pool.New(kMillion), b = pool.New(2 * kMillion);
+  sparse::ArrayPool pool(1);
+  sparse::PooledArray a = pool.New(kMillion), b = pool.New(2 * kMillion);
   const double* place = b.get();
   a.reset();
   b.reset();
   EXPECT_EQ(pool.New(2 * kMillion).get(), place) << "the larger of the two is kept";
-  const PooledArray tiny = pool.New(3);
+  const sparse::PooledArray tiny = pool.New(3);
   EXPECT_EQ(tiny.get_deleter().pool, nullptr);
 }
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "quiet_log.h"
-#include "serial_blas.h"
+#include "sparse/serial_blas.h"
 
 namespace dn::parallel_settings_test {
 
@@ -50,7 +50,7 @@ TEST(ParallelSettings, BlasIsSerialUntilTheLastThreadHasEnded) {
   ASSERT_NE(get, nullptr);
   ASSERT_NE(set, nullptr);
   set(2);
-  Overlap<SerialBlas>([get](int holders) { EXPECT_EQ(get(), holders > 0 ? 1 : 2); });
+  Overlap<sparse::SerialBlas>([get](int holders) { EXPECT_EQ(get(), holders > 0 ? 1 : 2); });
 }
 
 // CHOLMOD's OpenMP setting is per thread: no thread sees or restores the setting of another.
@@ -59,12 +59,12 @@ TEST(ParallelSettings, OpenMpIsSerialInTheThreadsThatAskForIt) {
   if (levels == nullptr) GTEST_SKIP() << "CHOLMOD was built without OpenMP";
   const int before = levels();
   ASSERT_GT(before, 0);
-  Overlap<SerialBlas>([&](int) { EXPECT_EQ(levels(), before); });
+  Overlap<sparse::SerialBlas>([&](int) { EXPECT_EQ(levels(), before); });
   {
-    const SerialBlas serial;
+    const sparse::SerialBlas serial;
     EXPECT_EQ(levels(), 0);
     std::thread([&] {
-      { const SerialBlas other; }
+      { const sparse::SerialBlas other; }
       EXPECT_EQ(levels(), before);
     }).join();
     EXPECT_EQ(levels(), 0);

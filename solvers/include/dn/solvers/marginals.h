@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/network.h>
+#include <dn/solvers/linear_algebra.h>
 #include <dn/solvers/linearized_network.h>
 #include <dn/solvers/shared_analysis.h>
 
@@ -30,6 +31,7 @@ struct MarginalsOptions {
   /// counts as undetermined if |J v|^2 is below this value. A weakly determined direction is far
   /// above it.
   double null_tolerance = 1e-16;
+  LinearAlgebra linear_algebra = DefaultLinearAlgebra();
   /// If given, the elimination order and its analysis are shared with other solutions; see
   /// SharedAnalysis.
   std::shared_ptr<SharedAnalysis> analysis = {};

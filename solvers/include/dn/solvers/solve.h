@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/network.h>
+#include <dn/solvers/linear_algebra.h>
 #include <dn/solvers/shared_analysis.h>
 
 #include <cmath>
@@ -49,6 +50,8 @@ struct SolveOptions {
 #else
   bool check_jacobians = true;
 #endif
+  /// Factorisation of the Gauss-Newton steps.
+  LinearAlgebra linear_algebra = DefaultLinearAlgebra();
   /// If given, the elimination order and its analysis are shared with other solutions; see
   /// SharedAnalysis.
   std::shared_ptr<SharedAnalysis> analysis = {};

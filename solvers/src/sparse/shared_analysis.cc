@@ -1,0 +1,29 @@
+#include <dn/seconds_since.h>
+
+#include <chrono>
+
+#include "sparse/shared_analysis_impl.h"
+
+namespace dn {
+
+void SharedAnalysis::Impl::Assemble(const UnknownLayout& layout, const Linearization& linearization,
+                                    LinearAlgebra linear_algebra) {
+  analyze_s = 0.0;
+  if (equations && offset_ == layout.offset && equations->Place(linearization) &&
+      cholesky->linear_algebra() == linear_algebra) {
+    equations->Assemble(layout, linearization);
+    return;
+  }
+  cholesky.reset();
+  equations = std::make_unique<sparse::NormalEquations>(layout, linearization);
+  const auto start = std::chrono::steady_clock::now();
+  cholesky =
+      std::make_unique<sparse::Cholesky>(equations->N, equations->blocks, layout, linear_algebra);
+  analyze_s = SecondsSince(start);
+  offset_ = layout.offset;
+}
+
+SharedAnalysis::SharedAnalysis() : impl_(std::make_unique<Impl>()) {}
+SharedAnalysis::~SharedAnalysis() = default;
+
+}  // namespace dn
