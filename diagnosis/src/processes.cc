@@ -16,8 +16,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "changed_network.h"
 #include "likelihood_peak.h"
-#include "network_beside.h"
 #include "time_constant.h"
 
 namespace dn::internal {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "generic_effects.h"
+#include "library.h"
 
 namespace dn::internal {
 namespace {
@@ -74,7 +75,7 @@ double CellLength(const FlightNetwork& network, EffectId effect) {
 }  // namespace
 
 void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int threads,
-                 ScreenedEffect* effect) {
+                 HypothesisEvidence* effect) {
   const bool start = effect->id == EffectId::kBoresightStep;
   if (!start && effect->id != EffectId::kGnssPositionStep) return;
   const double reach_s = CellLength(network, *effect->id);

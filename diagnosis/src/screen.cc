@@ -62,27 +62,35 @@ double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s)
   return sum.Value() - std::log(static_cast<double>(family.past - family.first));
 }
 
+Eigen::VectorXd Screen::LogEvidences(const Eigen::VectorXd& s) const {
+  Eigen::VectorXd evidences(static_cast<Eigen::Index>(families_.size()));
+  for (std::size_t k = 0; k < families_.size(); ++k) {
+    evidences[static_cast<Eigen::Index>(k)] = LogEvidence(families_[k], s);
+  }
+  return evidences;
+}
+
 ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
   const Candidate& of = library_.candidates[candidate];
   return TestScore(CandidateScore(of, score_, s), CandidateInformation(of, score_),
                    CandidateSignature(of, score_));
 }
 
-std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
-  std::vector<ScreenedEffect> effects;
+std::vector<HypothesisEvidence> Screen::EffectsInOrder() const {
+  std::vector<HypothesisEvidence> effects;
   effects.reserve(families_.size());
   for (const EffectFamily& family : families_) effects.push_back(Describe(family));
   return effects;
 }
 
-std::vector<ScreenedEffect> Screen::Effects() const {
-  std::vector<ScreenedEffect> effects = EffectsInOrder();
+std::vector<HypothesisEvidence> Screen::Effects() const {
+  std::vector<HypothesisEvidence> effects = EffectsInOrder();
   SortByEvidence(&effects);
   return effects;
 }
 
-ScreenedEffect Screen::Describe(const EffectFamily& family) const {
-  ScreenedEffect effect;
+HypothesisEvidence Screen::Describe(const EffectFamily& family) const {
+  HypothesisEvidence effect;
   effect.name = family.name;
   effect.id = family.id;
   LogSum sum;
@@ -119,7 +127,7 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
 }
 
 void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
-                           ScreenedEffect* effect) const {
+                           HypothesisEvidence* effect) const {
   const ScoreTest test = Test(index, score_.s);
   effect->estimate = test.estimate;
   effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -131,7 +139,7 @@ void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
 // Estimates the common factor of the sigmas, and its standard deviation from the curvature of the
 // evidence.
 void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
-                             ScreenedEffect* effect) const {
+                             HypothesisEvidence* effect) const {
   const Eigen::VectorXd s = CandidateScore(candidate, score_, score_.s);
   double best = -std::numeric_limits<double>::infinity(), variance = 1.0;
   for (int step = -40; step <= 40; ++step) {
@@ -158,39 +166,6 @@ void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
   }
   effect->estimate[sigmas] = *candidate.tau_s;
   effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
-}
-
-ScreenedEffect MakeUnscreened(EffectId id) {
-  ScreenedEffect effect;
-  effect.name = EffectName(id);
-  effect.id = id;
-  return effect;
-}
-
-void SortByEvidence(std::vector<ScreenedEffect>* effects) {
-  std::stable_sort(effects->begin(), effects->end(),
-                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
-}
-
-GapCause ToCause(const ScreenedEffect& effect) {
-  GapCause cause;
-  cause.effect = effect.name;
-  cause.times = effect.times;
-  cause.log_evidence = effect.log_evidence;
-  cause.p_value = effect.p_value;
-  cause.absorbed_fraction = effect.absorbed;
-  cause.boresight_shift_rad = effect.boresight_rad;
-  cause.estimate = effect.estimate;
-  cause.sigma = effect.sigma;
-  const EffectSpec* spec = FindEffect(effect.name);
-  if (spec == nullptr) return cause;
-  cause.unit = spec->components[0].unit;
-  for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
-    const double to_si = spec->components[static_cast<std::size_t>(k)].to_si;
-    cause.estimate[k] /= to_si;
-    cause.sigma[k] /= to_si;
-  }
-  return cause;
 }
 
 }  // namespace dn::internal

@@ -1,6 +1,6 @@
 #include "tie_breaker.h"
 
-#include <dn/diagnosis/twin.h>
+#include <dn/diagnosis/replicate_scenario.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/geo/nearest_pose.h>
@@ -19,7 +19,7 @@
 
 #include "design_limits.h"
 #include "effect_words.h"
-#include "full_twins.h"
+#include "simulated_replicates.h"
 
 namespace dn::internal {
 namespace {

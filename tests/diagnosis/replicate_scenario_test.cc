@@ -1,5 +1,5 @@
 #include <dn/diagnosis/adapt.h>
-#include <dn/diagnosis/twin.h>
+#include <dn/diagnosis/replicate_scenario.h>
 #include <dn/effects/effect_table.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

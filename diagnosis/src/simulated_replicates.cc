@@ -1,4 +1,4 @@
-#include "full_twins.h"
+#include "simulated_replicates.h"
 
 #include <dn/adjustment/solution.h>
 #include <dn/interrupted.h>

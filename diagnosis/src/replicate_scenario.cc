@@ -1,6 +1,6 @@
 #include <dn/builder/edge_factors.h>
 #include <dn/diagnosis/adapt.h>
-#include <dn/diagnosis/twin.h>
+#include <dn/diagnosis/replicate_scenario.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/median.h>

@@ -26,8 +26,8 @@ struct ResidualSummary {
 };
 
 /// Computes the statistics of residuals of the network with their scores.
-ResidualSummary Look(const Screen& screen, const Locations& locations,
-                     const Eigen::VectorXd& residual, const Eigen::VectorXd& scores);
+ResidualSummary SummariseResiduals(const Screen& screen, const Locations& locations,
+                                   const Eigen::VectorXd& residual, const Eigen::VectorXd& scores);
 
 /// Linear replicates: flights with the same epochs, geometry, correspondences and weights, with
 /// errors as the model assumes. Their residuals are M e, e ~ N(0, I).

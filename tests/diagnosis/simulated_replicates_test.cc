@@ -1,19 +1,20 @@
-#include "full_twins.h"
+#include "simulated_replicates.h"
 
 #include <dn/adjustment/result.h>
-#include <dn/diagnosis/twin.h>
+#include <dn/diagnosis/replicate_scenario.h>
 #include <dn/sim/random.h>
 #include <gtest/gtest.h>
 
-#include "explained_flight.h"
+#include "network_fit.h"
+#include "network_source.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::full_twins_test {
+namespace dn::internal::simulated_replicates_test {
 
 using testing::DroneScenario;
 
-constexpr int kTwins = 5;
-constexpr int kLinearTwins = 100;
+constexpr int kReplicates = 5;
+constexpr int kLinearReplicates = 100;
 
 GapCause RangeOffset(double offset_m) {
   GapCause cause;
@@ -31,29 +32,25 @@ class SimulatedReplicates : public ::testing::Test {
     flight_ = new Flight(
         Simulate(DroneScenario("effects: [{effect: lidar_range_offset, value: 0.15}]"), {}).flight);
     const GapOptions options;
-    const ExtendedModelFitter model_fitter(*flight_, options);
-    const ExtendedFit explained = model_fitter.Explain({});
-    ResidualSummary appearance;
-    ReplicateSet twins;
-    std::vector<LocationStatistic> statistics;
-    const ReplicateTest test =
-        model_fitter.Test(explained, kLinearTwins, &appearance, &twins, &statistics);
-    linear_ = new LinearReplicates(NameLinearReplicates(statistics, twins, test));
-    shown_ = new NamedStatistics(Comparable(statistics, appearance.locations));
-    without_ = new std::vector<NamedStatistics>(Fly(explained, {}));
-    with_ = new std::vector<NamedStatistics>(Fly(explained, {RangeOffset(0.15)}));
+    const NetworkFit fit = NetworkFitter(*flight_, options).Fit({});
+    const Comparison compared = CompareNetwork(fit, {.count = kLinearReplicates});
+    linear_ = new LinearReplicates(
+        NameLinearReplicates(compared.statistics, compared.replicates, compared.test));
+    shown_ = new NamedStatistics(Comparable(compared.statistics, compared.appearance.locations));
+    without_ = new std::vector<NamedStatistics>(Fly(fit, {}));
+    with_ = new std::vector<NamedStatistics>(Fly(fit, {RangeOffset(0.15)}));
   }
 
-  static std::vector<NamedStatistics> Fly(const ExtendedFit& explained,
+  static std::vector<NamedStatistics> Fly(const NetworkFit& fit,
                                           const std::vector<GapCause>& causes) {
-    const Trajectory trajectory(DenseTrajectory(explained.solution->network(), 0.01));
+    const Trajectory trajectory(DenseTrajectory(fit.solution->network(), 0.01));
     SimulatedReplicateOptions options;
-    options.count = kTwins;
+    options.count = kReplicates;
     options.threads = 2;
-    return SimulateReplicates(*flight_,
-                              MakeReplicateScenario(*flight_, trajectory, causes,
-                                                    explained.solution->Boresight().angles_rad),
-                              trajectory, options);
+    return SimulateReplicates(
+        *flight_,
+        MakeReplicateScenario(*flight_, trajectory, causes, fit.solution->Boresight().angles_rad),
+        trajectory, options);
   }
 
   static void TearDownTestSuite() {
@@ -77,7 +74,7 @@ std::vector<NamedStatistics>* SimulatedReplicates::without_ = nullptr;
 std::vector<NamedStatistics>* SimulatedReplicates::with_ = nullptr;
 
 TEST_F(SimulatedReplicates, HaveTheStatisticsOfTheFlight) {
-  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kTwins));
+  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kReplicates));
   for (const char* name : {"gnss position east, mean square", "lidar p2p up, mean, strips 1-2",
                            "gyro inertial gyro x, mean square"}) {
     EXPECT_TRUE(without_->front().count(name)) << name;
@@ -126,7 +123,8 @@ TEST(TestAmongReplicates, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
   for (int flight = 0; flight < kFlights; ++flight) {
     Random random(static_cast<std::uint64_t>(flight), "flights like their twins");
     LinearReplicates linear;
-    for (int k = 0; k < 2 * kLinearTwins; ++k) linear.all.push_back(Noise(kStatistics, &random));
+    for (int k = 0; k < 2 * kLinearReplicates; ++k)
+      linear.all.push_back(Noise(kStatistics, &random));
     for (const auto& [name, value] : linear.all.front()) {
       linear.mean[name] = 0.0;
       linear.sigma[name] = 1.0;
@@ -148,4 +146,4 @@ TEST(ReplicateMeanAndSigma, IsThatOfTheTwinsThatHaveIt) {
   EXPECT_FALSE(ReplicateMeanAndSigma(twins, "b").has_value());
 }
 
-}  // namespace dn::internal::full_twins_test
+}  // namespace dn::internal::simulated_replicates_test

@@ -1,4 +1,4 @@
-#include "twins.h"
+#include "replicates.h"
 
 #include <dn/interrupted.h>
 #include <dn/parallel.h>
@@ -136,15 +136,11 @@ Eigen::VectorXd StepDown(const Eigen::VectorXd& z, const std::vector<Eigen::Vect
 
 }  // namespace
 
-ResidualSummary Look(const Screen& screen, const Locations& locations,
-                     const Eigen::VectorXd& residual, const Eigen::VectorXd& scores) {
+ResidualSummary SummariseResiduals(const Screen& screen, const Locations& locations,
+                                   const Eigen::VectorXd& residual, const Eigen::VectorXd& scores) {
   ResidualSummary appearance;
   appearance.locations = locations.Evaluate(residual);
-  appearance.log_evidence.resize(static_cast<Eigen::Index>(screen.families().size()));
-  for (std::size_t k = 0; k < screen.families().size(); ++k) {
-    appearance.log_evidence[static_cast<Eigen::Index>(k)] =
-        screen.LogEvidence(screen.families()[k], scores);
-  }
+  appearance.log_evidence = screen.LogEvidences(scores);
   appearance.size_nats = locations.SizeNats(residual);
   appearance.pair_rms_m = locations.PairRms(residual);
   appearance.gnss_rms_m = locations.GnssRms(residual);
@@ -169,7 +165,7 @@ ReplicateSet MakeReplicates(const Marginals& marginals, const Screen& screen,
     const Eigen::MatrixXd S = screen.Scores(linearized, R);
     ParallelFor(batch, options.threads, [&](int k) {
       const auto twin = static_cast<std::size_t>(first) + static_cast<std::size_t>(k);
-      twins.all[twin] = Look(screen, locations, R.col(k), S.col(k));
+      twins.all[twin] = SummariseResiduals(screen, locations, R.col(k), S.col(k));
     });
   }
   return twins;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "locations.h"
-#include "twins.h"
+#include "replicates.h"
 
 namespace dn::internal {
 

@@ -1,4 +1,4 @@
-#include "twins.h"
+#include "replicates.h"
 
 #include <dn/report/distributions.h>
 #include <dn/sim/random.h>
@@ -7,15 +7,16 @@
 
 #include <algorithm>
 
-#include "explained_flight.h"
+#include "network_fit.h"
+#include "network_source.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::twins_test {
+namespace dn::internal::replicates_test {
 
 using testing::DroneScenario;
 
 constexpr Eigen::Index kPlaces = 20;
-constexpr int kTwins = 200;
+constexpr int kReplicates = 200;
 
 /// Draws normal, correlated location statistics, and evidence that is not normal.
 ResidualSummary Drawn(Random* random) {
@@ -35,7 +36,7 @@ ResidualSummary Drawn(Random* random) {
 
 ReplicateSet DrawReplicates(Random* random) {
   ReplicateSet twins;
-  for (int k = 0; k < kTwins; ++k) twins.all.push_back(Drawn(random));
+  for (int k = 0; k < kReplicates; ++k) twins.all.push_back(Drawn(random));
   return twins;
 }
 
@@ -108,53 +109,46 @@ TEST(TestReplicateConsistency, DifferWhereSomeAreOthers) {
   EXPECT_LT(TestReplicateConsistency(twins), 1e-4);
 }
 
-/// A flight compared with its replicates.
-struct Compared {
-  explicit Compared(const std::string& effects) {
-    const Flight flight = Simulate(DroneScenario(effects), {}).flight;
-    const GapOptions options;
-    const ExtendedModelFitter model_fitter(flight, options);
-    test = model_fitter.Test(model_fitter.Explain({}), kTwins, &appearance, &twins, &statistics);
-  }
+Comparison CompareDrone(const std::string& effects) {
+  const Flight flight = Simulate(DroneScenario(effects), {}).flight;
+  const GapOptions options;
+  return CompareNetwork(NetworkFitter(flight, options).Fit({}), {.count = kReplicates});
+}
 
-  double Z(const std::string& name) const {
-    for (std::size_t k = 0; k < statistics.size(); ++k) {
-      if (StatisticName(statistics[k]) == name) return test.z[static_cast<Eigen::Index>(k)];
+double Z(const Comparison& compared, const std::string& name) {
+  for (std::size_t k = 0; k < compared.statistics.size(); ++k) {
+    if (StatisticName(compared.statistics[k]) == name) {
+      return compared.test.z[static_cast<Eigen::Index>(k)];
     }
-    return std::nan("");
   }
+  return std::nan("");
+}
 
-  ResidualSummary appearance;
-  ReplicateSet twins;
-  std::vector<LocationStatistic> statistics;
-  ReplicateTest test;
-};
-
-TEST(Locations, LinearTwinsAreAlike) {
-  const Compared without("");
-  EXPECT_GT(TestReplicateConsistency(without.twins), 1e-4);
+TEST(Locations, LinearReplicatesAreAlike) {
+  const Comparison without = CompareDrone("");
+  EXPECT_GT(TestReplicateConsistency(without.replicates), 1e-4);
   EXPECT_GT(without.test.p_value, 0.02);
-  EXPECT_LT(std::abs(without.Z("gnss position east, mean square")), 4.0);
+  EXPECT_LT(std::abs(Z(without, "gnss position east, mean square")), 4.0);
 }
 
 TEST(Locations, NoiseOfGnssShowsInGnss) {
-  const Compared noisy("effects: [{effect: gnss_noise_scale, value: 1.5}]");
+  const Comparison noisy = CompareDrone("effects: [{effect: gnss_noise_scale, value: 1.5}]");
   EXPECT_LE(noisy.test.p_value, 0.03);
   for (const char* axis : {"east", "north", "up"}) {
-    EXPECT_GT(noisy.Z(std::string("gnss position ") + axis + ", mean square"), 5.0) << axis;
+    EXPECT_GT(Z(noisy, std::string("gnss position ") + axis + ", mean square"), 5.0) << axis;
   }
-  EXPECT_LT(std::abs(noisy.Z("lidar p2p east, mean square")), 4.0);
+  EXPECT_LT(std::abs(Z(noisy, "lidar p2p east, mean square")), 4.0);
 }
 
 TEST(Locations, NoiseOfPairsShowsInPairs) {
-  const Compared noisy("effects: [{effect: p2p_noise_scale, value: 1.5}]");
+  const Comparison noisy = CompareDrone("effects: [{effect: p2p_noise_scale, value: 1.5}]");
   EXPECT_LE(noisy.test.p_value, 0.03);
-  EXPECT_GT(noisy.Z("lidar p2p east, mean square"), 5.0);
-  EXPECT_LT(std::abs(noisy.Z("gnss position east, mean square")), 4.0);
+  EXPECT_GT(Z(noisy, "lidar p2p east, mean square"), 5.0);
+  EXPECT_LT(std::abs(Z(noisy, "gnss position east, mean square")), 4.0);
 }
 
 TEST(Locations, PredictionErrorsAreInMetres) {
-  const Compared without("");
+  const Comparison without = CompareDrone("");
   // sigma_p is 3 cm, that of GNSS 1.5 cm; a prediction adds its own error.
   EXPECT_GT(without.appearance.pair_rms_m, 0.029);
   EXPECT_LT(without.appearance.pair_rms_m, 0.04);
@@ -162,4 +156,4 @@ TEST(Locations, PredictionErrorsAreInMetres) {
   EXPECT_LT(without.appearance.gnss_rms_m, 0.04);
 }
 
-}  // namespace dn::internal::twins_test
+}  // namespace dn::internal::replicates_test

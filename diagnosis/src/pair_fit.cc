@@ -1,4 +1,4 @@
-#include "gauss_helmert_evidence.h"
+#include "pair_fit.h"
 
 #include <dn/solvers/score_test.h>
 
@@ -25,7 +25,7 @@ constexpr double kLnNoiseSigma = 1.0;
 constexpr double kLnNoiseStep = 0.02;
 constexpr int kNoisePasses = 4;
 
-bool IsFixed(const ScreenedEffect& effect) {
+bool IsFixed(const HypothesisEvidence& effect) {
   return effect.id != kNoise && effect.id != EffectId::kP2pOutliers;
 }
 
@@ -35,11 +35,11 @@ struct Combinations {
   VectorXd typical;
 };
 
-Combinations Combine(const Library& library, const std::vector<ScreenedEffect>& chosen,
+Combinations Combine(const Library& library, const std::vector<HypothesisEvidence>& chosen,
                      const JointScore& score) {
   Combinations out;
   out.T.resize(score.s.size(), 0);
-  for (const ScreenedEffect& effect : chosen) {
+  for (const HypothesisEvidence& effect : chosen) {
     if (!IsFixed(effect)) continue;
     const Candidate& candidate = library.candidates[effect.candidate];
     const Index n = candidate.typical.size(), before = out.T.cols();
@@ -84,25 +84,25 @@ double NoisePrior(double ln_ratio, double sigma) {
 }  // namespace
 
 /// Likelihood and screen at one error scale, with the chosen effects among the unknowns.
-struct GaussHelmertEvidence::Height {
+struct PairFitter::Height {
   double of_errors = 0.0;  ///< log likelihood plus log prior
   Screen screen;
-  std::vector<ScreenedEffect> effects;  ///< in the order of the families
+  std::vector<HypothesisEvidence> effects;  ///< in the order of the families
 };
 
 /// Search over all error scales for one set of chosen effects.
-class GaussHelmertEvidence::Search {
+class PairFitter::Search {
  public:
-  Search(GaussHelmertEvidence* evidence, const std::vector<ScreenedEffect>& chosen)
+  Search(PairFitter* evidence, const std::vector<HypothesisEvidence>& chosen)
       : evidence_(*evidence), chosen_(chosen) {}
 
-  ExtendedPairFit Run() {
+  PairFit Run() {
     const NoiseRatio noise = FindNoise(Climb({}, 1.0, std::nullopt));
-    const double most = Chosen(kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
-    white_ = Chosen(kNoise) ? most : std::max(most, evidence_.min_white_);
+    const double most = Contains(chosen_, kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
+    white_ = Contains(chosen_, kNoise) ? most : std::max(most, evidence_.min_white_);
     const Octaves top = Climb({}, white_, std::nullopt);
     base_ = At(top, white_).of_errors;
-    ExtendedPairFit out;
+    PairFit out;
     const Height& at_top = At(top, white_);
     out.scale = MakeScale(top, white_);
     out.chi2 = evidence_.At(top, white_).chi2;
@@ -111,12 +111,13 @@ class GaussHelmertEvidence::Search {
     out.with_stated_errors = std::make_unique<Screen>(At({}, white_).screen);
     out.chi2_with_stated_errors = evidence_.At({}, white_).chi2;
     for (std::size_t family = 0; family < at_top.effects.size(); ++family) {
-      out.others.push_back(Judge(family, top));
+      out.effects.push_back(Judge(family, top));
     }
-    if (evidence_.with_noise_scale_) out.others.push_back(JudgeNoise(top, noise));
-    std::erase_if(out.others,
-                  [&](const ScreenedEffect& other) { return other.id && Chosen(*other.id); });
-    SortByEvidence(&out.others);
+    if (evidence_.with_noise_scale_) out.effects.push_back(JudgeNoise(top, noise));
+    std::erase_if(out.effects, [&](const HypothesisEvidence& other) {
+      return other.id && Contains(chosen_, *other.id);
+    });
+    SortByEvidence(&out.effects);
     EstimateChosen(top, &out);
     return out;
   }
@@ -124,11 +125,6 @@ class GaussHelmertEvidence::Search {
  private:
   static ErrorScale MakeScale(const Octaves& octaves, double white) {
     return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
-  }
-
-  bool Chosen(EffectId id) const {
-    return std::any_of(chosen_.begin(), chosen_.end(),
-                       [&](const ScreenedEffect& effect) { return effect.id == id; });
   }
 
   const Height& At(const Octaves& octaves, double white) {
@@ -173,11 +169,11 @@ class GaussHelmertEvidence::Search {
     return top;
   }
 
-  ScreenedEffect Judge(std::size_t family, const Octaves& of_errors) {
+  HypothesisEvidence Judge(std::size_t family, const Octaves& of_errors) {
     Octaves best = Climb({}, white_, family);
     const Octaves other = Climb(of_errors, white_, family);
     if (HeightAt(other, white_, family) > HeightAt(best, white_, family)) best = other;
-    ScreenedEffect effect = At(best, white_).effects[family];
+    HypothesisEvidence effect = At(best, white_).effects[family];
     effect.log_evidence = HeightAt(best, white_, family) - base_;
     const double by_evidence = std::exp(-std::max(0.0, effect.log_evidence));
     effect.p_value = std::min(1.0, std::max(effect.p_value * Families(), by_evidence));
@@ -212,9 +208,9 @@ class GaussHelmertEvidence::Search {
     return {std::exp(x), 1.0 / std::sqrt(curvature)};
   }
 
-  ScreenedEffect JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
+  HypothesisEvidence JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
     const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
-    ScreenedEffect effect = MakeUnscreened(kNoise);
+    HypothesisEvidence effect = MakeUnscreened(kNoise);
     effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
                           NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
     effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));
@@ -224,7 +220,7 @@ class GaussHelmertEvidence::Search {
     return effect;
   }
 
-  void EstimateChosen(const Octaves& top, ExtendedPairFit* out) {
+  void EstimateChosen(const Octaves& top, PairFit* out) {
     out->chosen = chosen_;
     const JointScore& score = evidence_.At(top, white_).score;
     const Combinations combined = Combine(evidence_.library_.library, chosen_, score);
@@ -232,7 +228,7 @@ class GaussHelmertEvidence::Search {
     const ScoreTest test = TestCombinations(score, combined.T);
     const MatrixXd shift = score.shift * combined.T;
     Index first = 0;
-    for (ScreenedEffect& effect : out->chosen) {
+    for (HypothesisEvidence& effect : out->chosen) {
       if (!IsFixed(effect)) continue;
       const Index n = evidence_.library_.library.candidates[effect.candidate].typical.size();
       effect.estimate = test.estimate.segment(first, n);
@@ -243,36 +239,34 @@ class GaussHelmertEvidence::Search {
     out->boresight_covariance_rad2 = shift * test.covariance * shift.transpose();
   }
 
-  GaussHelmertEvidence& evidence_;
-  const std::vector<ScreenedEffect>& chosen_;
+  PairFitter& evidence_;
+  const std::vector<HypothesisEvidence>& chosen_;
   double white_ = 1.0;
   double base_ = 0.0;
   std::map<std::pair<Octaves, double>, Height> heights_;
 };
 
-GaussHelmertEvidence::GaussHelmertEvidence(const GaussHelmertLibrary& library,
-                                           const LinearPairs& pairs,
-                                           const std::vector<StripInterval>& strips,
-                                           bool with_noise_scale)
+PairFitter::PairFitter(const PairLibrary& library, const LinearPairs& pairs,
+                       const std::vector<StripInterval>& strips, bool with_noise_scale)
     : library_(library),
       errors_(pairs.rows, strips, pairs.error_sqrt, pairs.prior, library.blocks),
       with_noise_scale_(with_noise_scale),
       observations_(3.0 * static_cast<double>(pairs.rows.size())),
       min_white_(std::sqrt(pairs.pair_noise_share)) {}
 
-ExtendedPairFit GaussHelmertEvidence::Explain(const std::vector<ScreenedEffect>& chosen) {
+PairFit PairFitter::Fit(const std::vector<HypothesisEvidence>& chosen) {
   return Search(this, chosen).Run();
 }
 
-double GaussHelmertEvidence::NoiseEvidence(double chi2) const {
+double PairFitter::NoiseEvidence(double chi2) const {
   if (!with_noise_scale_) return -std::numeric_limits<double>::infinity();
   const double ratio = std::max(chi2, 1e-300) / observations_;
   return 0.5 * observations_ * (ratio - 1.0 - std::log(ratio)) +
          NoisePrior(0.5 * std::log(ratio), 1.0 / std::sqrt(2.0 * observations_));
 }
 
-const TimeCorrelatedErrorModel::ScaleSolution& GaussHelmertEvidence::At(const Octaves& octaves,
-                                                                        double white) {
+const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const Octaves& octaves,
+                                                              double white) {
   const auto key = std::make_tuple(octaves.position, octaves.attitude, white);
   const auto known = known_.find(key);
   if (known != known_.end()) return known->second;

@@ -1,4 +1,4 @@
-#include "network_beside.h"
+#include "changed_network.h"
 
 #include <dn/builder/build.h>
 #include <dn/builder/keep_in_use.h>

@@ -1,4 +1,4 @@
-#include "gauss_helmert_library.h"
+#include "pair_library.h"
 
 #include <dn/adjustment/candidate_effects.h>
 #include <dn/adjustment/laser_departures.h>
@@ -20,10 +20,10 @@ namespace {
 constexpr int kScanAnglePlaces = 8;
 constexpr std::size_t kFewestPairsOfPlace = 5;
 
-class GaussHelmertLibraryMaker {
+class PairLibraryMaker {
  public:
-  GaussHelmertLibraryMaker(const Flight& flight, const LinearPairs& pairs,
-                           const std::vector<StripInterval>& strips, const LibraryOptions& options)
+  PairLibraryMaker(const Flight& flight, const LinearPairs& pairs,
+                   const std::vector<StripInterval>& strips, const LibraryOptions& options)
       : flight_(flight),
         lidar_(*flight.config.lidar),
         pairs_(pairs),
@@ -31,7 +31,7 @@ class GaussHelmertLibraryMaker {
         options_(options),
         scan_angles_(FindScanAngleRange(lidar_, pairs.ends)) {}
 
-  GaussHelmertLibrary Run() {
+  PairLibrary Run() {
     for (CandidateEffect& effect : MakeScannerEffects(flight_, pairs_.ends))
       AddFixed(std::move(effect));
     AddFixed(MakePairCandidate(*FindEstimable(EffectId::kBoresightDrift), flight_, pairs_.ends));
@@ -150,15 +150,14 @@ class GaussHelmertLibraryMaker {
   std::vector<StripInterval> strips_;
   const LibraryOptions& options_;
   ScanAngleRange scan_angles_;
-  GaussHelmertLibrary out_;
+  PairLibrary out_;
 };
 
 }  // namespace
 
-GaussHelmertLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
-                                const std::vector<StripInterval>& strips,
-                                const LibraryOptions& options) {
-  return GaussHelmertLibraryMaker(flight, pairs, strips, options).Run();
+PairLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
+                        const std::vector<StripInterval>& strips, const LibraryOptions& options) {
+  return PairLibraryMaker(flight, pairs, strips, options).Run();
 }
 
 }  // namespace dn::internal

@@ -1,4 +1,4 @@
-#include "explained_flight.h"
+#include "network_fit.h"
 
 #include <dn/diagnosis/adapt.h>
 #include <dn/effects/effect_table.h>
@@ -14,6 +14,7 @@
 #include "median_sigmas.h"
 #include "outlier_evidence.h"
 #include "processes.h"
+#include "variances.h"
 
 namespace dn::internal {
 namespace {
@@ -25,7 +26,7 @@ constexpr double kGoodPairsLost = 6.3e-5, kGoodEpochsLost = 6e-7;
 constexpr double kWithinReach = 0.5;
 constexpr double kWorthJudgingNats = 3.0;
 
-bool IsProcess(const ScreenedEffect& effect) {
+bool IsProcess(const HypothesisEvidence& effect) {
   return effect.physical() && EffectRow(*effect.id).process();
 }
 
@@ -46,16 +47,36 @@ void AddShortOutlierNoise(const Flight& flight, const std::vector<GapCause>& cau
   }
 }
 
+/// Takes the values of fixed effects from the unknowns of the adjustment that estimates them.
+void TakeEstimates(const std::vector<UnknownEstimate>& unknowns,
+                   std::vector<HypothesisEvidence>* effects) {
+  for (HypothesisEvidence& effect : *effects) {
+    const auto at = std::find_if(unknowns.begin(), unknowns.end(),
+                                 [&](const auto& unknown) { return unknown.name == effect.name; });
+    if (at == unknowns.end()) continue;
+    const auto n = static_cast<Eigen::Index>(at->value.size());
+    effect.estimate = Eigen::VectorXd::Map(at->value.data(), n);
+    effect.sigma = Eigen::VectorXd::Map(at->sigma.data(), n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double to_si = FindEffect(effect.name)->components[static_cast<std::size_t>(k)].to_si;
+      effect.estimate[k] *= to_si;
+      effect.sigma[k] *= to_si;
+    }
+  }
+}
+
 }  // namespace
 
-ExtendedModelFitter::ExtendedModelFitter(const Flight& flight, const GapOptions& options)
-    : flight_(flight),
-      options_(options),
-      with_pairs_(flight.pairs.has_value() && !flight.pairs->pairs.empty()) {}
+bool NetworkFit::with_boresight() const {
+  return solution->linearized().FirstColumn(solution->network().boresight.id) >= 0;
+}
 
-Adjustment ExtendedModelFitter::AdjustWith(const Flight& flight, long* gnss_left_out) const {
+NetworkFitter::NetworkFitter(const Flight& flight, const GapOptions& options)
+    : flight_(flight), options_(options) {}
+
+Adjustment NetworkFitter::AdjustWith(const Flight& flight, long* gnss_left_out) const {
   AdjustOptions adjust;
-  adjust.with_pairs = with_pairs_;
+  adjust.with_pairs = flight.pairs.has_value() && !flight.pairs->pairs.empty();
   adjust.threads = options_.threads;
   adjust.interrupted = options_.interrupted;
   EvidenceAdjustment evidence = AdjustForEvidence(flight, adjust);
@@ -63,39 +84,38 @@ Adjustment ExtendedModelFitter::AdjustWith(const Flight& flight, long* gnss_left
   return std::move(evidence.adjustment);
 }
 
-ExtendedFit ExtendedModelFitter::Explain(const std::vector<GapCause>& causes) const {
-  ExtendedFit out;
-  out.causes = causes;
-  out.flight = std::make_unique<Flight>(flight_);
-  out.flight->config = Adapted(flight_, causes);
-  AddShortOutlierNoise(flight_, causes, &out.flight->config);
-  out.solution =
-      std::make_unique<Solution>(AdjustWith(*out.flight, &out.gnss_left_out), options_.threads);
+NetworkFit NetworkFitter::Fit(const std::vector<HypothesisEvidence>& chosen) const {
+  const std::vector<GapCause> causes = ToCauses(chosen);
+  NetworkFit fit;
+  fit.chosen = chosen;
+  fit.flight = std::make_unique<Flight>(flight_);
+  fit.flight->config = Adapted(flight_, causes);
+  AddShortOutlierNoise(flight_, causes, &fit.flight->config);
+  fit.solution =
+      std::make_unique<Solution>(AdjustWith(*fit.flight, &fit.gnss_left_out), options_.threads);
+  if (!chosen.empty()) TakeEstimates(fit.solution->Unknowns(), &fit.chosen);
   LibraryOptions library{options_.effects, options_.left_out, options_.threads};
-  for (const GapCause& cause : causes) library.left_out.push_back(cause.effect);
-  out.screen =
-      std::make_unique<Screen>(out.solution->network(), out.solution->marginals(), library);
-  out.effects = out.screen->Effects();
+  for (const HypothesisEvidence& effect : chosen) library.left_out.push_back(effect.name);
+  fit.screen =
+      std::make_unique<Screen>(fit.solution->network(), fit.solution->marginals(), library);
+  fit.effects = fit.screen->Effects();
   VarianceScreen variances =
-      ScreenVariances(out.solution->network(), out.solution->marginals(), library);
-  out.coloured_imu_nats = variances.coloured_imu;
-  for (ScreenedEffect& effect : variances.effects) out.effects.push_back(std::move(effect));
-  AddOutliers(&out);
-  SortByEvidence(&out.effects);
-  return out;
+      ScreenVariances(fit.solution->network(), fit.solution->marginals(), library);
+  fit.coloured_imu_nats = variances.coloured_imu;
+  for (HypothesisEvidence& effect : variances.effects) fit.effects.push_back(std::move(effect));
+  AddOutliers(&fit);
+  SortByEvidence(&fit.effects);
+  return fit;
 }
 
-void ExtendedModelFitter::AddOutliers(ExtendedFit* explained) const {
+void NetworkFitter::AddOutliers(NetworkFit* fit) const {
   const auto add = [&](EffectId id, long found, long of_all, double usual,
                        const std::vector<double>& lengths_m) {
     const LibraryOptions wanted{options_.effects, options_.left_out, 1};
-    const bool there =
-        std::any_of(explained->causes.begin(), explained->causes.end(),
-                    [&](const GapCause& cause) { return IsEffect(cause.effect, id); });
-    if (there || of_all == 0 || !wanted.Wanted(id)) return;
-    explained->effects.push_back(OutlierEffect(id, found, of_all, usual, lengths_m));
+    if (Contains(fit->chosen, id) || of_all == 0 || !wanted.Wanted(id)) return;
+    fit->effects.push_back(OutlierEffect(id, found, of_all, usual, lengths_m));
   };
-  const Adjustment& adjustment = explained->solution->adjustment();
+  const Adjustment& adjustment = fit->solution->adjustment();
   const FlightNetwork& network = *adjustment.network;
   std::vector<double> pairs_m, positions_m;
   for (std::size_t k = 0; k < network.pair_edges.size(); ++k) {
@@ -111,44 +131,26 @@ void ExtendedModelFitter::AddOutliers(ExtendedFit* explained) const {
     const Eigen::Vector3d arm_b_m = network.net.Value(network.gnss_lever_arm);
     positions_m.push_back((pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());
   }
-  add(EffectId::kGnssOutliers, explained->gnss_left_out,
-      static_cast<long>(network.gnss_edges.size()), kGoodEpochsLost, positions_m);
+  add(EffectId::kGnssOutliers, fit->gnss_left_out, static_cast<long>(network.gnss_edges.size()),
+      kGoodEpochsLost, positions_m);
 }
 
-void ExtendedModelFitter::EvaluateProcesses(ExtendedFit* explained) const {
-  if (explained->effects.empty()) return;
-  const double best = explained->effects.front().log_evidence;
-  for (ScreenedEffect& effect : explained->effects) {
+void NetworkFitter::EvaluateProcesses(NetworkFit* fit) const {
+  if (fit->effects.empty()) return;
+  const double best = fit->effects.front().log_evidence;
+  for (HypothesisEvidence& effect : fit->effects) {
     if (!IsProcess(effect) || effect.log_evidence < kWorthJudgingNats) continue;
     // Scaled noise also fits time-correlated errors, so any process may be the true cause.
-    const bool with_scaled_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
+    const bool with_scaled_noise = fit->effects.front().id == EffectId::kGnssNoiseScale;
     if (effect.log_evidence < kWithinReach * best && !with_scaled_noise) continue;
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
-    EvaluateProcess(explained->solution->network(), options_.threads, &effect);
+    EvaluateProcess(fit->solution->network(), options_.threads, &effect);
   }
-  SortByEvidence(&explained->effects);
-  ScreenedEffect& likeliest = explained->effects.front();
+  SortByEvidence(&fit->effects);
+  HypothesisEvidence& likeliest = fit->effects.front();
   if (IsProcess(likeliest) && likeliest.log_evidence >= kWorthJudgingNats) {
-    RefineProcess(explained->solution->network(), options_.threads, &likeliest);
+    RefineProcess(fit->solution->network(), options_.threads, &likeliest);
   }
-}
-
-ReplicateTest ExtendedModelFitter::Test(const ExtendedFit& explained, int count,
-                                        ResidualSummary* appearance, ReplicateSet* twins,
-                                        std::vector<LocationStatistic>* statistics) const {
-  const Solution& solution = *explained.solution;
-  const Locations locations(solution.network(), solution.linearized(),
-                            solution.trajectory().redundancy);
-  ReplicateOptions options;
-  options.count = count;
-  options.seed = options_.seed;
-  options.threads = options_.threads;
-  options.interrupted = options_.interrupted;
-  *twins = MakeReplicates(solution.marginals(), *explained.screen, locations, options);
-  *appearance = Look(*explained.screen, locations, solution.linearized().residual(),
-                     explained.screen->score().s);
-  *statistics = locations.statistics();
-  return CompareWithReplicates(*appearance, *twins);
 }
 
 }  // namespace dn::internal

@@ -18,15 +18,14 @@ struct PairPlace {
 };
 
 /// Effects and places tested with the pairs of a given trajectory.
-struct GaussHelmertLibrary {
+struct PairLibrary {
   std::vector<CandidateEffect> blocks;  ///< effects whose joint score is computed
   Library library;                      ///< candidates among the blocks; its own blocks are empty
   std::vector<PairPlace> places;
 };
 
 /// Makes the effects of the lidar and its mount, unmodelled discrepancies of the pairs, and places.
-GaussHelmertLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
-                                const std::vector<StripInterval>& strips,
-                                const LibraryOptions& options);
+PairLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
+                        const std::vector<StripInterval>& strips, const LibraryOptions& options);
 
 }  // namespace dn::internal

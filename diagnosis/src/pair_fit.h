@@ -9,23 +9,22 @@
 #include <tuple>
 #include <vector>
 
-#include "gauss_helmert_library.h"
+#include "forward_selection.h"
+#include "pair_library.h"
 #include "screen.h"
 
 namespace dn::internal {
 
-/// Pairs on a given trajectory with some effects among the unknowns, and the evidence of all other
-/// effects.
-struct ExtendedPairFit {
-  std::vector<ScreenedEffect> chosen;  ///< with their joint estimates
-  std::vector<ScreenedEffect> others;  ///< most probable first
-  ErrorScale scale;                    ///< most probable scale with the chosen effects
-  double chi2 = 0.0;                   ///< at this scale
+/// Pairs on a fixed trajectory with some effects among the unknowns.
+struct PairFit : ExtendedFit {
+  ErrorScale scale;   ///< most probable scale with the chosen effects
+  double chi2 = 0.0;  ///< at this scale
   /// Evidence of this scale of the trajectory errors against the stated one.
   double larger_errors_nats = 0.0;
   std::unique_ptr<Screen> with_stated_errors;  ///< with trajectory errors of the stated size
   double chi2_with_stated_errors = 0.0;
   std::unique_ptr<Screen> screen;  ///< at this scale, with the chosen effects
+  long outliers = 0;  ///< rejected pairs that trajectory errors do not explain; 0 if not counted
   /// Covariance added by the chosen effects.
   Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
 };
@@ -36,14 +35,14 @@ struct ExtendedPairFit {
 /// and that with all these errors. The trajectory errors may be larger than stated, by octaves. The
 /// evidence of an effect is the largest log likelihood with it minus the largest without it, each
 /// over all scales.
-class GaussHelmertEvidence {
+class PairFitter {
  public:
   /// `library` must outlive the object.
-  GaussHelmertEvidence(const GaussHelmertLibrary& library, const LinearPairs& pairs,
-                       const std::vector<StripInterval>& strips, bool with_noise_scale);
+  PairFitter(const PairLibrary& library, const LinearPairs& pairs,
+             const std::vector<StripInterval>& strips, bool with_noise_scale);
 
   /// Estimates the chosen effects and evaluates all others.
-  ExtendedPairFit Explain(const std::vector<ScreenedEffect>& chosen);
+  PairFit Fit(const std::vector<HypothesisEvidence>& chosen);
 
   double observations() const { return observations_; }
   /// Returns the ratio of the pairs' own noise to its upper limit, as standard deviations.
@@ -61,7 +60,7 @@ class GaussHelmertEvidence {
   class Search;
   const TimeCorrelatedErrorModel::ScaleSolution& At(const Octaves& octaves, double white);
 
-  const GaussHelmertLibrary& library_;
+  const PairLibrary& library_;
   TimeCorrelatedErrorModel errors_;
   bool with_noise_scale_;
   double observations_ = 0.0;

@@ -1,0 +1,52 @@
+#include "evidence.h"
+
+#include <algorithm>
+
+namespace dn::internal {
+
+HypothesisEvidence MakeUnscreened(EffectId id) {
+  HypothesisEvidence effect;
+  effect.name = EffectName(id);
+  effect.id = id;
+  return effect;
+}
+
+void SortByEvidence(std::vector<HypothesisEvidence>* effects) {
+  std::stable_sort(effects->begin(), effects->end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+}
+
+bool Contains(const std::vector<HypothesisEvidence>& effects, EffectId id) {
+  return std::any_of(effects.begin(), effects.end(),
+                     [id](const HypothesisEvidence& effect) { return effect.id == id; });
+}
+
+GapCause ToCause(const HypothesisEvidence& effect) {
+  GapCause cause;
+  cause.effect = effect.name;
+  cause.times = effect.times;
+  cause.log_evidence = effect.log_evidence;
+  cause.p_value = effect.p_value;
+  cause.absorbed_fraction = effect.absorbed;
+  cause.boresight_shift_rad = effect.boresight_rad;
+  cause.estimate = effect.estimate;
+  cause.sigma = effect.sigma;
+  const EffectSpec* spec = FindEffect(effect.name);
+  if (spec == nullptr) return cause;
+  cause.unit = spec->components[0].unit;
+  for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
+    const double to_si = spec->components[static_cast<std::size_t>(k)].to_si;
+    cause.estimate[k] /= to_si;
+    cause.sigma[k] /= to_si;
+  }
+  return cause;
+}
+
+std::vector<GapCause> ToCauses(const std::vector<HypothesisEvidence>& effects) {
+  std::vector<GapCause> causes;
+  causes.reserve(effects.size());
+  for (const HypothesisEvidence& effect : effects) causes.push_back(ToCause(effect));
+  return causes;
+}
+
+}  // namespace dn::internal
