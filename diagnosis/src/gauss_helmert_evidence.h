@@ -1,8 +1,5 @@
 #pragma once
 
-#include <dn/adjustment/lasting_errors.h>
-#include <dn/adjustment/linear_pairs.h>
-
 #include <Eigen/Core>
 #include <map>
 #include <memory>
@@ -10,7 +7,9 @@
 #include <vector>
 
 #include "gauss_helmert_library.h"
+#include "linear_pairs.h"
 #include "screen.h"
+#include "time_correlated_errors.h"
 
 namespace dn::internal {
 
