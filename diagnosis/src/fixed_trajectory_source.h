@@ -1,7 +1,6 @@
 #pragma once
 
 #include <dn/adjustment/gauss_helmert_flight.h>
-#include <dn/adjustment/linear_pairs.h>
 #include <dn/diagnosis/diagnose.h>
 #include <dn/files/flight.h>
 
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "gap_source.h"
+#include "linear_pairs.h"
 #include "pair_fit.h"
 #include "pair_library.h"
 

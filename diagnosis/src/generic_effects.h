@@ -1,12 +1,13 @@
 #pragma once
 
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
 #include <string>
 #include <vector>
+
+#include "candidate_effects.h"
 
 namespace dn::internal {
 

@@ -2,15 +2,14 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/sim/random.h>
-#include <dn/solvers/fit_check.h>
 #include <dn/symmetric_eigen.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 
+#include "detectability.h"
 #include "semidefinite_root.h"
 
 namespace dn::internal {
@@ -22,8 +21,6 @@ constexpr double kStep = 1.5;
 constexpr int kFlights = 40;
 // Candidates that mimic less of an effect than this are never named in its place.
 constexpr double kMimics = 0.2;
-// A signature below this fraction of its own size is rounding error.
-constexpr double kAbsorbed = 1e-7;
 
 /// A candidate that competes with the effect for its name.
 struct Rival {
@@ -132,7 +129,7 @@ class NamingTrials {
     }
     // An effect that is present enters the residuals with a negative sign: the score decreases.
     cross_ = -joint.leftCols(first_[1]);
-    root_ = SemidefiniteRoot(joint, kAbsorbed * signature);
+    root_ = SemidefiniteRoot(joint, kAbsorbedShare * signature);
   }
 
   std::string Best(const Eigen::VectorXd& s) const {
@@ -161,9 +158,7 @@ class NamingTrials {
 Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
   Eigen::VectorXd sizes(A.rows());
   for (Eigen::Index k = 0; k < A.rows(); ++k) {
-    sizes[k] = A(k, k) > kAbsorbed * signature[k]
-                   ? OutlierTest().NonCentrality() / std::sqrt(A(k, k))
-                   : std::numeric_limits<double>::infinity();
+    sizes[k] = MinimalDetectableBias(A(k, k), signature[k]);
   }
   return sizes;
 }
@@ -190,13 +185,10 @@ DetectionLimit Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily
   // The size of an effect is that of its largest component.
   const double unit = candidate.per_si * direction.cwiseAbs().maxCoeff();
   hidden.detectable_by_component = candidate.per_si * DetectableAlone(A, of_components);
-  hidden.minimal_detectable = std::numeric_limits<double>::infinity();
-  if (lambda > kAbsorbed * signature) {
-    const double times = OutlierTest().NonCentrality() / std::sqrt(lambda);
-    hidden.minimal_detectable = times * unit;
-    if (screen.score().shift.rows() == 3) {
-      hidden.boresight_shift_rad = times * CandidateShift(candidate, screen.score()) * direction;
-    }
+  const double detectable = MinimalDetectableBias(lambda, signature);
+  hidden.minimal_detectable = detectable * unit;
+  if (std::isfinite(detectable) && screen.score().shift.rows() == 3) {
+    hidden.boresight_shift_rad = detectable * CandidateShift(candidate, screen.score()) * direction;
   }
   const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
   std::map<std::string, int> instead;

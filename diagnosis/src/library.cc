@@ -1,7 +1,5 @@
 #include "library.h"
 
-#include <dn/adjustment/candidate_effects.h>
-#include <dn/adjustment/laser_departures.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>
@@ -9,7 +7,9 @@
 #include <map>
 #include <utility>
 
+#include "candidate_effects.h"
 #include "generic_effects.h"
+#include "laser_discrepancies.h"
 
 namespace dn::internal {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/adjustment/solution.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/files/flight.h>
 
 #include <memory>

@@ -16,10 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr EffectId kNoise = EffectId::kP2pNoiseScale;
-// Prior of trajectory errors: one octave above their stated size (standard deviation), at most
-// five.
-constexpr int kMostOctaves = 5;
-constexpr double kOctavesSigma = 1.0;
 // Prior of the pairs' noise: within a factor e of its stated size.
 constexpr double kLnNoiseSigma = 1.0;
 constexpr double kLnNoiseStep = 0.02;
@@ -133,8 +129,7 @@ class PairFitter::Search {
     if (known != heights_.end()) return known->second;
     const TimeCorrelatedErrorModel::ScaleSolution& at = evidence_.At(octaves, white);
     const Combinations combined = Combine(evidence_.library_.library, chosen_, at.score);
-    const int octaves2 = octaves.position * octaves.position + octaves.attitude * octaves.attitude;
-    Height height{at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma),
+    Height height{at.log_likelihood + LogScalePrior(octaves.position, octaves.attitude),
                   Screen(evidence_.library_.library, WithUnknowns(at.score, combined.T)),
                   {}};
     if (combined.T.cols() > 0) {
@@ -159,7 +154,7 @@ class PairFitter::Search {
         for (const int step : {-1, 1}) {
           Octaves next = top;
           next.*which += step;
-          if (next.*which < 0 || next.*which > kMostOctaves) continue;
+          if (next.*which < 0 || next.*which > kMaxOctaves) continue;
           if (HeightAt(next, white, family) <= HeightAt(top, white, family)) continue;
           top = next;
           higher = true;

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <dn/adjustment/lasting_errors.h>
-#include <dn/adjustment/linear_pairs.h>
-
 #include <Eigen/Core>
 #include <map>
 #include <memory>
@@ -10,8 +7,10 @@
 #include <vector>
 
 #include "forward_selection.h"
+#include "linear_pairs.h"
 #include "pair_library.h"
 #include "screen.h"
+#include "time_correlated_errors.h"
 
 namespace dn::internal {
 

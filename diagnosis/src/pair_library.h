@@ -1,6 +1,5 @@
 #pragma once
 
-#include <dn/adjustment/linear_pairs.h>
 #include <dn/files/flight.h>
 
 #include <Eigen/Core>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "library.h"
+#include "linear_pairs.h"
 
 namespace dn::internal {
 

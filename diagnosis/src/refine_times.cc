@@ -1,6 +1,5 @@
 #include "refine_times.h"
 
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "candidate_effects.h"
 #include "generic_effects.h"
 #include "library.h"
 

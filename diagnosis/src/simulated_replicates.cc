@@ -1,6 +1,6 @@
 #include "simulated_replicates.h"
 
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/interrupted.h>
 #include <dn/parallel.h>
 #include <dn/sim/random.h>

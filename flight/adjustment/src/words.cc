@@ -370,10 +370,6 @@ const char* Word(Verdict verdict) {
   return "contradicted";
 }
 
-const char* Word(const ModelCheck& check) {
-  return check.contradicted() ? Word(Verdict::kContradicted) : "consistent";
-}
-
 std::string Words(const Finding& finding) {
   return std::visit([](const auto& fact) { return Say(fact); }, finding.fact);
 }

@@ -1,6 +1,5 @@
-#include <dn/adjustment/candidate_effects.h>
-#include <dn/adjustment/model_check.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/model_check.h>
 #include <dn/effects/effect_table.h>
 #include <dn/rotation.h>
 #include <gmock/gmock.h>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "candidate_effects.h"
 #include "testing/short_flights.h"
 #include "testing/torsion.h"
 
@@ -46,6 +46,27 @@ struct Checked {
   const BoresightResult& boresight() const { return calibration.boresight; }
   std::string first_reason() const { return Words(boresight().reasons.front()); }
 };
+
+TEST(ModelCheck, IsConsistentUntilAFindingContradicts) {
+  ModelCheck check;
+  check.findings.push_back({facts::GnssLeftOut{0.2}});
+  EXPECT_STREQ(Word(check), "consistent");
+  check.findings.push_back({facts::UpsideDown{}, true});
+  EXPECT_STREQ(Word(check), "contradicted");
+}
+
+TEST(ModelCheck, FindingsComeFirstAndOnce) {
+  ModelCheck check;
+  check.findings.push_back({facts::GnssTimeOff{{0.05, 0.001}}, true});
+  BoresightResult boresight;
+  boresight.verdict = Verdict::kAbsorbed;
+  boresight.reasons.push_back({facts::GnssTimeOff{{0.05, 0.001}}, true});
+  boresight.reasons.push_back({facts::FewPairs{12}});
+  Assess(check, &boresight);
+  EXPECT_EQ(boresight.verdict, Verdict::kContradicted);
+  EXPECT_THAT(Words(boresight.reasons),
+              ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), HasSubstr("only 12 pairs")));
+}
 
 TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {

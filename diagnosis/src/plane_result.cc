@@ -1,4 +1,4 @@
-#include <dn/adjustment/result_files.h>
+#include <dn/diagnosis/result_files.h>
 
 #include "result_json.h"
 
@@ -25,9 +25,10 @@ Json PlanesJson(const PlaneCalibration& calibration, const std::vector<std::stri
 }  // namespace
 
 Json CalibrationJson(const std::string& flight, const PlaneCalibration& calibration,
-                     const std::vector<std::string>& strips, const RunTimings& timings) {
+                     const ModelCheck& check, const std::vector<std::string>& strips,
+                     const RunTimings& timings) {
   Json json = internal::FixedTrajectoryJson(
-      flight, "planes", calibration,
+      flight, "planes", calibration, check,
       {{"planes", PlanesJson(calibration, strips)}, {"strip_pairs", nullptr}}, timings);
   if (!calibration.unknowns.empty()) {
     json["estimates"] = internal::UnknownsJson(calibration.unknowns);

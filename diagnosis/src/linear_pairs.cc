@@ -1,4 +1,5 @@
-#include <dn/adjustment/linear_pairs.h>
+#include "linear_pairs.h"
+
 #include <dn/adjustment/pose_interpolator.h>
 #include <dn/rotation.h>
 

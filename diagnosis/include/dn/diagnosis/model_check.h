@@ -3,6 +3,8 @@
 #include <dn/adjustment/adjust.h>
 #include <dn/adjustment/checks.h>
 #include <dn/adjustment/finding.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/plane_flight.h>
 #include <dn/adjustment/result.h>
 #include <dn/solvers/marginals.h>
 
@@ -71,6 +73,30 @@ struct ModelCheck {
 /// result of ExtractTrajectory for both. CheckFit makes the tests that apply to any network.
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads = 1);
+
+/// Tests the model of a Gauss-Helmert adjustment by its misclosures. Contradictions are
+///   - an effect of the lidar (time tags, lever arm, ranges, scan angles) that shifts the boresight
+///     by more than its sigma, or an unmodelled discrepancy;
+///   - misclosures with more than twice their stated variance after the found effects;
+///   - more than 30 % of the pairs as outliers, or a stated prior that contradicts the pairs;
+///   - an angle above 15 deg.
+///
+/// Effects are tested jointly with time-correlated errors of the trajectory, of the stated size or
+/// larger. Effects that resemble such errors stay undetectable. They are late tags in quiet flight,
+/// a lever arm in strips at one height, a mount that moves, and a constant attitude error.
+ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calibration);
+
+/// Tests the model of a plane adjustment. Contradictions are points with more than twice their
+/// stated variance about the planes, and an angle above 15 deg. Errors of the lidar (time tags,
+/// lever arm, ranges, scan angles) are not tested.
+ModelCheck CheckModel(const FlightConfig& config, const PlaneCalibration& calibration);
+
+/// Tests the model of a calibration (CheckModel), and adds the findings to its boresight (Assess).
+ModelCheck AssessModel(const Flight& flight, GaussHelmertCalibration* calibration);
+ModelCheck AssessModel(const Flight& flight, PlaneCalibration* calibration);
+
+/// Returns "consistent" or "contradicted", for a trajectory without boresight.
+const char* Word(const ModelCheck& check);
 
 /// Adds the findings of the check to the reasons of a boresight, before the other reasons. A fact
 /// of the check replaces reasons of the same type. Sets the verdict to contradicted if the check

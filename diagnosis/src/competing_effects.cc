@@ -1,4 +1,4 @@
-#include "rival_effects.h"
+#include "competing_effects.h"
 
 #include <dn/effects/effect_table.h>
 #include <dn/report/distributions.h>

@@ -1,9 +1,5 @@
 #include "gauss_helmert_effects.h"
 
-#include <dn/adjustment/laser_departures.h>
-#include <dn/adjustment/lasting_errors.h>
-#include <dn/adjustment/lidar_effects.h>
-#include <dn/adjustment/linear_pairs.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
@@ -13,7 +9,11 @@
 #include <utility>
 
 #include "effect_screen.h"
+#include "laser_discrepancies.h"
+#include "lidar_effects.h"
+#include "linear_pairs.h"
 #include "model_findings.h"
+#include "time_correlated_errors.h"
 
 namespace dn::internal {
 namespace {
@@ -21,10 +21,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Scales of the trajectory errors, in octaves: prior sigma of one octave above the stated scale,
-// five at most.
-constexpr int kMaxOctaves = 5;
-constexpr double kOctavesSigma = 1.0;
 // Steps of the white noise from the stated one to sigma0 times the stated one.
 constexpr int kWhiteSteps = 2;
 // The scale of the white noise includes the excess.
@@ -75,9 +71,7 @@ class ScaleSearch {
     if (known != known_.end()) return known->second;
     TimeCorrelatedErrorModel::ScaleSolution at = errors_.At(ToErrorScale(steps));
     ScaleEvidence evidence;
-    const double octaves2 =
-        steps.position * steps.position + static_cast<double>(steps.attitude * steps.attitude);
-    evidence.errors_nats = at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma);
+    evidence.errors_nats = at.log_likelihood + LogScalePrior(steps.position, steps.attitude);
     double effect_nats = 0.0;
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       const double nats = LogEvidence(at.score, at.score.Components(k), candidates_[k].typical);

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/files/flight_config.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>
 #include <vector>
+
+#include "candidate_effects.h"
 
 namespace dn {
 
@@ -31,6 +32,15 @@ struct ErrorScale {
   double attitude = 1.0;
   double white = 1.0;  ///< of the white noise of each pair
 };
+
+/// Largest scale of the trajectory errors, in octaves above the stated one.
+inline constexpr int kMaxOctaves = 5;
+
+/// Returns the log prior of the scale of the trajectory errors: a standard deviation of one octave
+/// above the stated scale.
+inline double LogScalePrior(int position_octaves, int attitude_octaves) {
+  return -0.5 * (position_octaves * position_octaves + attitude_octaves * attitude_octaves);
+}
 
 /// The pairs of a flight with the boresight and the time-correlated errors of the trajectory as
 /// unknowns. Each strip has a constant error, and an error that is linear between nodes in time.

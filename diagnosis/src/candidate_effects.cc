@@ -1,4 +1,5 @@
-#include <dn/adjustment/candidate_effects.h>
+#include "candidate_effects.h"
+
 #include <dn/autodiff.h>
 #include <dn/effects/effect_table.h>
 #include <dn/imu/imu_means.h>

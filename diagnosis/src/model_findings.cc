@@ -23,7 +23,7 @@ constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
 constexpr double kLargestBoresightDeg = 15.0;
 constexpr double kUpsideDownShare = 0.9;
-constexpr double kCertain = std::numeric_limits<double>::infinity();
+constexpr double kConclusive = std::numeric_limits<double>::infinity();
 
 class Findings {
  public:
@@ -40,7 +40,7 @@ class Findings {
   void JudgeGnssClock(const std::optional<ClockEstimate>& clock) {
     if (!clock) return;
     Add(facts::GnssTimeOff{*clock, check_.gnss_clock_shift, check_.of_boresight},
-        check_.gnss_clock_shift > kMaxShiftInSigmas, kCertain);
+        check_.gnss_clock_shift > kMaxShiftInSigmas, kConclusive);
   }
 
   /// `told`: a finding already reports the GNSS clock.
@@ -64,7 +64,7 @@ class Findings {
   void JudgeCompetingEffects() {
     for (const CompetingEffectCheck& rival : check_.competing_effects) {
       if (rival.max_shift_sigmas <= kMaxShiftInSigmas) continue;
-      Add(facts::UnknownAmbiguous{rival, check_.of_boresight}, false, kCertain);
+      Add(facts::UnknownAmbiguous{rival, check_.of_boresight}, false, kConclusive);
     }
   }
 
@@ -86,7 +86,7 @@ class Findings {
 
   void JudgePriors() {
     for (const PriorCheck& prior : check_.priors) {
-      if (prior.p_value <= kFamilyLevel) Add(facts::PriorContradicted{prior}, true, kCertain);
+      if (prior.p_value <= kFamilyLevel) Add(facts::PriorContradicted{prior}, true, kConclusive);
     }
   }
 
@@ -107,16 +107,17 @@ class Findings {
 
   void JudgeVectors(const VectorOrigin& origin, const std::string& files) {
     if (origin.kind != VectorOrigin::Kind::kAssumed) return;
-    Add(facts::VectorsAssumed{origin.boresight_rad, files}, false, kCertain);
+    Add(facts::VectorsAssumed{origin.boresight_rad, files}, false, kConclusive);
   }
 
   void JudgeDiagnosis(const FlightConfig& config) {
-    if (!config.unexplained.empty()) Add(facts::GapUnexplained{config.unexplained}, true, kCertain);
+    if (!config.unexplained.empty())
+      Add(facts::GapUnexplained{config.unexplained}, true, kConclusive);
   }
 
   void JudgeMounting(const Eigen::Vector3d& angles_rad) {
     if (angles_rad.cwiseAbs().maxCoeff() * kDegPerRad <= kLargestBoresightDeg) return;
-    Add(facts::MountingImpossible{angles_rad}, true, kCertain);
+    Add(facts::MountingImpossible{angles_rad}, true, kConclusive);
   }
 
   void JudgeAttitude(const FlightNetwork& network) {
@@ -126,14 +127,14 @@ class Findings {
       if (std::abs(RollPitchHeading(q_nb).x()) > 0.5 * std::numbers::pi) upside_down += 1.0;
     }
     if (upside_down < kUpsideDownShare * static_cast<double>(network.nodes.size())) return;
-    Add(facts::UpsideDown{}, check_.of_boresight, kCertain);
+    Add(facts::UpsideDown{}, check_.of_boresight, kConclusive);
   }
 
   void JudgeSigma0(double sigma0) {
     if (sigma0 <= kLargestModelSigma0) return;
     // Effects that leave most of the misfit unexplained are not its cause.
     const bool unexplained = check_.sigma0_with_effects > 0.5 * sigma0;
-    Add(facts::Sigma0TooLarge{sigma0}, true, unexplained ? kCertain : 0.0);
+    Add(facts::Sigma0TooLarge{sigma0}, true, unexplained ? kConclusive : 0.0);
   }
 
   void JudgePairsLeftOut(long left_out, long pairs) {

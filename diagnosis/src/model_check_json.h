@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/adjustment/model_check.h>
+#include <dn/diagnosis/model_check.h>
 #include <dn/report/json.h>
 
 namespace dn {

@@ -1,6 +1,6 @@
 #include <dn/adjustment/achieved_accuracy.h>
-#include <dn/adjustment/result_files.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
 
@@ -124,8 +124,9 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
 }
 
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
-                     const std::vector<PairResidual>& pairs, const RunTimings& timings) {
-  return internal::FixedTrajectoryJson(flight, "gh", calibration,
+                     const ModelCheck& check, const std::vector<PairResidual>& pairs,
+                     const RunTimings& timings) {
+  return internal::FixedTrajectoryJson(flight, "gh", calibration, check,
                                        {{"strip_pairs", StripPairsJson(pairs)}}, timings);
 }
 

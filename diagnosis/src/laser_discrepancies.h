@@ -1,12 +1,13 @@
 #pragma once
 
-#include <dn/adjustment/candidate_effects.h>
-#include <dn/adjustment/lidar_effects.h>
 #include <dn/builder/flight_network.h>
 #include <dn/files/flight.h>
 
 #include <cstddef>
 #include <vector>
+
+#include "candidate_effects.h"
+#include "lidar_effects.h"
 
 namespace dn {
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <dn/adjustment/adjust.h>
-#include <dn/adjustment/model_check.h>
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/trajectory_covariance.h>
+#include <dn/diagnosis/model_check.h>
 #include <dn/solvers/marginals.h>
 
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/adjustment/result_files.h>
+#include <dn/diagnosis/result_files.h>
 
 #include <string>
 #include <vector>
@@ -19,8 +19,8 @@ Json TimingJson(const RunTimings& timings);
 /// compared data: pairs or planes.
 template <class Calibration>
 Json FixedTrajectoryJson(const std::string& flight, const char* method,
-                         const Calibration& calibration, const Json& compared,
-                         const RunTimings& timings) {
+                         const Calibration& calibration, const ModelCheck& check,
+                         const Json& compared, const RunTimings& timings) {
   Json json;
   json["schema"] = "dn.result/1";
   json["flight"] = flight;
@@ -34,7 +34,7 @@ Json FixedTrajectoryJson(const std::string& flight, const char* method,
   figures["residual_final_m"] = calibration.adjustment.residual_final_m;
   for (const char* key : {"nodes", "imu_epochs", "gnss_epochs"}) figures[key] = nullptr;
   json.update(compared);
-  json["model_check"] = ModelCheckJson(calibration.model_check);
+  json["model_check"] = ModelCheckJson(check);
   json["timing_s"] = TimingJson(timings);
   return json;
 }

@@ -1,5 +1,5 @@
-#include <dn/adjustment/solution.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/solution.h>
 #include <gtest/gtest.h>
 
 #include <type_traits>

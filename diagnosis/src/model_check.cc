@@ -1,6 +1,5 @@
-#include <dn/adjustment/candidate_effects.h>
-#include <dn/adjustment/laser_departures.h>
-#include <dn/adjustment/model_check.h>
+#include <dn/adjustment/words.h>
+#include <dn/diagnosis/model_check.h>
 #include <dn/effects/effect_table.h>
 #include <dn/files/flight.h>
 #include <dn/parallel.h>
@@ -15,11 +14,13 @@
 #include <string>
 #include <utility>
 
+#include "candidate_effects.h"
 #include "common_errors.h"
+#include "competing_effects.h"
 #include "effect_screen.h"
+#include "laser_discrepancies.h"
 #include "model_findings.h"
-#include "rival_effects.h"
-#include "unseen_effects.h"
+#include "undetectable_effects.h"
 
 namespace dn {
 namespace {
@@ -348,6 +349,10 @@ double ModelCheck::SmallestPValue() const {
   note(departures);
   note(priors);
   return smallest;
+}
+
+const char* Word(const ModelCheck& check) {
+  return check.contradicted() ? Word(Verdict::kContradicted) : "consistent";
 }
 
 bool ModelCheck::contradicted() const {

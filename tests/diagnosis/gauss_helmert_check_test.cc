@@ -1,7 +1,7 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
-#include <dn/adjustment/result_files.h>
 #include <dn/adjustment/trajectory_covariance.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/geo/trajectory_covariance.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -70,6 +70,14 @@ struct Smoothed {
   }
 };
 
+struct CheckedCalibration : GaussHelmertCalibration {
+  ModelCheck model_check;
+
+  explicit CheckedCalibration(const Flight& flight)
+      : GaussHelmertCalibration(CalibrateGaussHelmert(flight)),
+        model_check(AssessModel(flight, this)) {}
+};
+
 std::vector<std::string> NamedEffects(const ModelCheck& check) {
   std::vector<std::string> names;
   for (const EffectCheck& effect : check.effects) {
@@ -92,7 +100,7 @@ TEST(GaussHelmertCheck, ATrueTrajectoryIsCalibrated) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
-      const GaussHelmertCalibration gh = CalibrateGaussHelmert(OnTruth(scenario, seed));
+      const CheckedCalibration gh(OnTruth(scenario, seed));
       EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated) << Words(gh);
       EXPECT_TRUE(gh.model_check.effects.empty()) << Words(gh);
     }
@@ -108,7 +116,7 @@ TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
       const Smoothed smoothed(scenario, seed, GetParam());
-      const GaussHelmertCalibration gh = CalibrateGaussHelmert(smoothed.flight);
+      const CheckedCalibration gh(smoothed.flight);
       EXPECT_THAT(gh.boresight.verdict, AnyOf(Verdict::kCalibrated, Verdict::kAbsorbed))
           << Words(gh);
       EXPECT_TRUE(gh.model_check.effects.empty()) << Words(gh);
@@ -120,8 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Stated, OfASmoother,
                          ::testing::Values(Stated::kNothing, Stated::kSigmas, Stated::kCovariance));
 
 TEST(GaussHelmertCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
-  const GaussHelmertCalibration gh =
-      CalibrateGaussHelmert(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
+  const CheckedCalibration gh(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
   ASSERT_EQ(gh.model_check.departures.size(), 1U);
   EXPECT_EQ(gh.model_check.departures.front().name, "laser vectors by scan angle");
   EXPECT_LT(gh.model_check.departures.front().p_value, 1e-4);
@@ -163,7 +170,7 @@ void Mirror(Flight* flight) { flight->config.lidar->mounting.lever_arm_b_m *= -1
 class GaussHelmertFault : public ::testing::TestWithParam<Fault> {};
 
 void ExpectContradictedAndNamed(const Flight& flight, const std::string& effect) {
-  const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight);
+  const CheckedCalibration gh(flight);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kContradicted) << Words(gh);
   EXPECT_THAT(NamedEffects(gh.model_check), Contains(effect)) << Words(gh);
 }
@@ -199,7 +206,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(GaussHelmertCheck, ASigmaAboveHalfADegreeIsNotObservable) {
   Flight flight = OnTruth(DroneScenario(), 1);
   flight.config.trajectory->sigma_y_rad = 0.6 * kRadPerDeg;
-  const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight);
+  const CheckedCalibration gh(flight);
   EXPECT_GT(gh.boresight.sigma_rad().z(), 0.5 * kRadPerDeg);
   EXPECT_LT(gh.boresight.sigma_apriori_rad->z(), 0.5 * kRadPerDeg);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kNotObservable) << Words(gh);
@@ -212,13 +219,12 @@ TEST(GaussHelmertCheck, AMisreadTrajectoryIsNotCalibrated) {
     std::vector<NavPoint> points = flight.trajectory->points();
     for (NavPoint& point : points) change(&point);
     flight.trajectory = Trajectory(points, flight.trajectory->notes());
-    return CalibrateGaussHelmert(flight);
+    return CheckedCalibration(flight);
   };
-  const GaussHelmertCalibration heights =
-      changed([](NavPoint* point) { point->position.h_m *= -1.0; });
+  const CheckedCalibration heights = changed([](NavPoint* point) { point->position.h_m *= -1.0; });
   EXPECT_THAT(heights.boresight.verdict, AnyOf(Verdict::kNotObservable, Verdict::kContradicted))
       << Words(heights);
-  const GaussHelmertCalibration columns =
+  const CheckedCalibration columns =
       changed([](NavPoint* point) { std::swap(point->q_nb.x(), point->q_nb.y()); });
   EXPECT_THAT(columns.boresight.verdict, AnyOf(Verdict::kNotObservable, Verdict::kContradicted))
       << Words(columns);

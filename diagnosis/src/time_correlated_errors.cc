@@ -1,4 +1,4 @@
-#include <dn/adjustment/lasting_errors.h>
+#include "time_correlated_errors.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,13 +1,14 @@
 #pragma once
 
-#include <dn/adjustment/candidate_effects.h>
-#include <dn/adjustment/model_check.h>
+#include <dn/diagnosis/model_check.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <vector>
+
+#include "candidate_effects.h"
 
 namespace dn::internal {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <dn/adjustment/gauss_helmert_flight.h>
-#include <dn/adjustment/model_check.h>
 #include <dn/adjustment/plane_flight.h>
+#include <dn/diagnosis/model_check.h>
 
 namespace dn::internal {
 

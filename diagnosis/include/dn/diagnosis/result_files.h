@@ -1,10 +1,10 @@
 #pragma once
 
 #include <dn/adjustment/gauss_helmert_flight.h>
-#include <dn/adjustment/model_check.h>
 #include <dn/adjustment/pair_residuals.h>
 #include <dn/adjustment/plane_flight.h>
 #include <dn/adjustment/result.h>
+#include <dn/diagnosis/model_check.h>
 #include <dn/report/json.h>
 
 #include <string>
@@ -29,13 +29,15 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
 
 /// Returns result.json of `dn calibrate --method gh`.
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
-                     const std::vector<PairResidual>& pairs, const RunTimings& timings);
+                     const ModelCheck& check, const std::vector<PairResidual>& pairs,
+                     const RunTimings& timings);
 
 /// Returns result.json of `dn calibrate --method planes`. Its section `planes` has the number of
 /// planes, the spread of their normals, and the number that each pair of strips shares. `strips`
 /// are the names of the strips.
 Json CalibrationJson(const std::string& flight, const PlaneCalibration& calibration,
-                     const std::vector<std::string>& strips, const RunTimings& timings);
+                     const ModelCheck& check, const std::vector<std::string>& strips,
+                     const RunTimings& timings);
 
 /// Returns the part of report.json that a Gauss-Helmert adjustment adds to result.json.
 Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration);

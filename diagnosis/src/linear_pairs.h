@@ -1,12 +1,13 @@
 #pragma once
 
 #include <dn/adjustment/gauss_helmert_flight.h>
-#include <dn/adjustment/lasting_errors.h>
-#include <dn/adjustment/lidar_effects.h>
 
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>
+
+#include "lidar_effects.h"
+#include "time_correlated_errors.h"
 
 namespace dn {
 

@@ -1,4 +1,5 @@
-#include <dn/adjustment/laser_departures.h>
+#include "laser_discrepancies.h"
+
 #include <dn/factors/lidar_effect.h>
 #include <dn/files/scan_angle.h>
 
@@ -39,9 +40,9 @@ class LaserOffset final : public LidarEffect {
 };
 
 /// Collects the range of the scan angles.
-class ScanAngles {
+class ScanAngleExtent {
  public:
-  explicit ScanAngles(const LidarConfig& lidar) : lidar_(lidar) {}
+  explicit ScanAngleExtent(const LidarConfig& lidar) : lidar_(lidar) {}
 
   void Add(const Eigen::Vector3d& u_s) {
     const double angle_rad = ScanAngle(lidar_, u_s);
@@ -74,7 +75,7 @@ UserEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& rang
 }
 
 UserEffect LaserByScanAngle(const FlightNetwork& network) {
-  ScanAngles angles(*network.flight().config.lidar);
+  ScanAngleExtent angles(*network.flight().config.lidar);
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
     angles.Add(edge.pair.u_i_s);
     angles.Add(edge.pair.u_j_s);
@@ -83,7 +84,7 @@ UserEffect LaserByScanAngle(const FlightNetwork& network) {
 }
 
 ScanAngleRange FindScanAngleRange(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
-  ScanAngles angles(lidar);
+  ScanAngleExtent angles(lidar);
   for (const PairEnds& pair : pairs) {
     angles.Add(pair.i.u_s);
     angles.Add(pair.j.u_s);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/adjustment/checks.h>
 #include <dn/builder/flight_network.h>
 #include <dn/solvers/marginals.h>
@@ -8,6 +7,8 @@
 
 #include <Eigen/Core>
 #include <vector>
+
+#include "candidate_effects.h"
 
 namespace dn::internal {
 

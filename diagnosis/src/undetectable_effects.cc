@@ -1,27 +1,19 @@
-#include "unseen_effects.h"
+#include "undetectable_effects.h"
 
 #include <dn/effects/effect_table.h>
-#include <dn/solvers/fit_check.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "detectability.h"
+
 namespace dn::internal {
 namespace {
 
-// A signature below this share of its own size is rounding error.
-constexpr double kAbsorbed = 1e-7;
 // The covariance of an unknown does not cover an error above this many of its sigmas.
 constexpr double kHarmfulSigmas = 1.0;
-
-double MinimalDetectableBias(double information, double signature2) {
-  if (!(information > kAbsorbed * signature2)) return std::numeric_limits<double>::infinity();
-  return OutlierTest().NonCentrality() / std::sqrt(information);
-}
 
 std::string EffectComponentName(const CandidateEffect& candidate, Eigen::Index component) {
   const EffectSpec* spec = FindEffect(candidate.name);

@@ -1,6 +1,5 @@
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/adjustment/result.h>
-#include <dn/adjustment/result_files.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/solvers/score_test.h>
@@ -12,6 +11,7 @@
 #include <numbers>
 #include <set>
 
+#include "candidate_effects.h"
 #include "testing/short_flights.h"
 
 namespace dn::calibrate_test {

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/factors/lidar_effect.h>
 #include <dn/files/flight.h>
 
 #include <Eigen/Core>
 #include <vector>
+
+#include "candidate_effects.h"
 
 namespace dn {
 

@@ -1,4 +1,5 @@
-#include <dn/adjustment/lidar_effects.h>
+#include "lidar_effects.h"
+
 #include <dn/effects/effect_table.h>
 
 #include <functional>
