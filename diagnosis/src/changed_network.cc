@@ -13,7 +13,7 @@ namespace {
 constexpr double kShortestStepS = 0.45;
 
 /// Returns the node times, without those that closely follow another one and have no GNSS epoch.
-std::vector<double> ThinCurve(const FlightNetwork& solved) {
+std::vector<double> SparseNodeTimes(const FlightNetwork& solved) {
   std::set<std::size_t> with_gnss;
   for (const FlightNetwork::GnssEdge& edge : solved.gnss_edges) with_gnss.insert(edge.node);
   const std::vector<double>& all = solved.node_times();
@@ -31,7 +31,7 @@ std::vector<double> ThinCurve(const FlightNetwork& solved) {
 
 FlightNetwork BuildChangedNetwork(const FlightNetwork& solved, const Flight& flight, int threads) {
   NetworkDesign design;
-  design.node_t_s = ThinCurve(solved);
+  design.node_t_s = SparseNodeTimes(solved);
   design.calibration = solved.Calibration();
   const auto nodes = static_cast<double>(design.node_t_s.size());
   std::size_t node = 0;  // index in the solved network

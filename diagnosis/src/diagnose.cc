@@ -36,7 +36,7 @@ constexpr double kSecondOrder = 0.05;
 // Multiple of the typical size above which an effect is implausible, and the fraction of the named
 // evidence at which a discrepancy makes it doubtful. The fraction is below 1 because the evidence
 // of a discrepancy is reduced by its many components.
-constexpr double kPlausibleSizes = 10.0, kRivalEvidenceShare = 0.9;
+constexpr double kPlausibleSizes = 10.0, kDiscrepancyEvidenceShare = 0.9;
 constexpr double kSignificantSigmas = 2.0;
 // If the test of replicates against replicates has a p-value below this, they are not a valid
 // reference.
@@ -68,7 +68,7 @@ class Diagnosis {
     watch_.Lap("twins");
     JudgeGap(*base);
     SelectEffects(std::move(base));
-    watch_.Lap("attribution");
+    watch_.Lap("selection");
     if (selection_.final) {
       Report("replicates with the effects", 0.8);
       after_ = source_.Compare(*selection_.final);
@@ -120,7 +120,7 @@ class Diagnosis {
     out_.size = measure.size;
     out_.user_units = measure.user_units;
     out_.validity.observations = source_.observations(base);
-    out_.validity.twins = static_cast<int>(before_.replicates.all.size());
+    out_.validity.replicates = static_cast<int>(before_.replicates.all.size());
     out_.validity.tests = static_cast<int>(before_.statistics.size() + base.effects.size());
     out_.validity.aa_p_value = measure.replicate_consistency_p;
     if (out_.validity.aa_p_value >= kUnequalReplicates) return;
@@ -189,7 +189,7 @@ class Diagnosis {
   std::optional<GapImplausible> Implausible() const {
     const HypothesisEvidence* generic = BestDiscrepancy(selection_.base->effects);
     if (generic == nullptr ||
-        generic->log_evidence < kRivalEvidenceShare * selection_.explained_nats) {
+        generic->log_evidence < kDiscrepancyEvidenceShare * selection_.explained_nats) {
       return std::nullopt;
     }
     for (const GapCause& cause : NamedCauses()) {
@@ -270,22 +270,22 @@ class Diagnosis {
     const LinearReplicates linear =
         NameLinearReplicates(before_.statistics, before_.replicates, before_.test);
     const std::vector<NamedStatistics> without = SimulateWith({}, trajectory);
-    out_.validity.full_twins = static_cast<int>(without.size());
+    out_.validity.simulated_replicates = static_cast<int>(without.size());
     out_.validity.full_against_linear_p =
         TestSimulatedAgainstLinear(without, linear, options_.seed);
     const std::vector<GapCause> named = VerdictCauses(out_);
     if (named.empty()) return;
     const std::vector<NamedStatistics> with = SimulateWith(named, trajectory);
-    out_.validity.full_twins += static_cast<int>(with.size());
+    out_.validity.simulated_replicates += static_cast<int>(with.size());
     for (FingerprintValue& value : out_.fingerprint) {
       const std::optional<MeanAndSigma> of_replicates = ReplicateMeanAndSigma(with, value.name);
       if (!of_replicates) continue;
-      value.twin_mean = of_replicates->mean;
-      value.twin_sigma = of_replicates->sigma;
+      value.simulated_mean = of_replicates->mean;
+      value.simulated_sigma = of_replicates->sigma;
     }
     const NamedStatistics flight = Comparable(before_.statistics, before_.appearance.locations);
-    out_.validity.like_twins_p = TestAmongReplicates(flight, with, linear, options_.seed);
-    if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) LowerToPartial();
+    out_.validity.like_replicates_p = TestAmongReplicates(flight, with, linear, options_.seed);
+    if (out_.validity.like_replicates_p.value_or(1.0) < kUnlike) LowerToPartial();
   }
 
   /// Returns no statistics, and adds a note, if the simulator cannot fly the scenario.

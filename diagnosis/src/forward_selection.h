@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "evidence.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::internal {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "evidence.h"
 #include "forward_selection.h"
 #include "held_out.h"
+#include "hypothesis_evidence.h"
 #include "replicates.h"
 
 namespace dn::internal {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "evidence.h"
 #include "forward_selection.h"
+#include "hypothesis_evidence.h"
 #include "screen.h"
 
 namespace dn::internal {

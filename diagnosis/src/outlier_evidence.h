@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "evidence.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::internal {
 

@@ -3,7 +3,7 @@
 #include <dn/builder/flight_network.h>
 #include <dn/solvers/marginals.h>
 
-#include "evidence.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::internal {
 

@@ -25,18 +25,18 @@ double Rank(const std::vector<double>& values, double x) {
 /// The three statistics that compare a flight with its replicates.
 class Statistics {
  public:
-  Statistics(const ReplicateSet& twins, std::size_t count) {
+  Statistics(const ReplicateSet& replicates, std::size_t count) {
     const auto n = static_cast<double>(count);
-    mean_ = Eigen::VectorXd::Zero(twins.all[0].locations.size());
-    for (std::size_t k = 0; k < count; ++k) mean_ += twins.all[k].locations / n;
+    mean_ = Eigen::VectorXd::Zero(replicates.all[0].locations.size());
+    for (std::size_t k = 0; k < count; ++k) mean_ += replicates.all[k].locations / n;
     sigma_ = Eigen::VectorXd::Zero(mean_.size());
     for (std::size_t k = 0; k < count; ++k) {
-      sigma_ += (twins.all[k].locations - mean_).cwiseAbs2() / (n - 1.0);
+      sigma_ += (replicates.all[k].locations - mean_).cwiseAbs2() / (n - 1.0);
     }
     sigma_ = sigma_.cwiseMax(1e-300).cwiseSqrt();
     Eigen::MatrixXd C = kShrunk * Eigen::MatrixXd::Identity(mean_.size(), mean_.size());
     for (std::size_t k = 0; k < count; ++k) {
-      const Eigen::VectorXd z = Z(twins.all[k]);
+      const Eigen::VectorXd z = Z(replicates.all[k]);
       C.selfadjointView<Eigen::Lower>().rankUpdate(z, (1.0 - kShrunk) / (n - 1.0));
     }
     factor_.compute(C.selfadjointView<Eigen::Lower>());
@@ -72,17 +72,17 @@ struct Ranks {
 class Ranking {
  public:
   /// Standardises by the replicates [0, standardising) and ranks by [standardising, past).
-  Ranking(const ReplicateSet& twins, std::size_t standardising, std::size_t past)
-      : statistics_(twins, standardising) {
+  Ranking(const ReplicateSet& replicates, std::size_t standardising, std::size_t past)
+      : statistics_(replicates, standardising) {
     for (std::size_t k = standardising; k < past; ++k) {
-      omnibus_.push_back(statistics_.Omnibus(twins.all[k]));
-      largest_.push_back(statistics_.Largest(twins.all[k]));
-      library_.push_back(Statistics::Library(twins.all[k]));
+      omnibus_.push_back(statistics_.Omnibus(replicates.all[k]));
+      largest_.push_back(statistics_.Largest(replicates.all[k]));
+      library_.push_back(Statistics::Library(replicates.all[k]));
     }
     for (std::size_t k = 0; k < omnibus_.size(); ++k) {
-      const Ranks of_twin{Rank(omnibus_, omnibus_[k]), Rank(largest_, largest_[k]),
-                          Rank(library_, library_[k])};
-      smallest_.push_back(of_twin.smallest());
+      const Ranks of_replicate{Rank(omnibus_, omnibus_[k]), Rank(largest_, largest_[k]),
+                               Rank(library_, library_[k])};
+      smallest_.push_back(of_replicate.smallest());
     }
   }
 
@@ -100,8 +100,9 @@ class Ranking {
   /// replicates.
   double P(const ResidualSummary& flight) const {
     const double smallest = RankFlight(flight).smallest();
-    const auto at_most = std::count_if(smallest_.begin(), smallest_.end(),
-                                       [&](double of_twin) { return of_twin <= smallest; });
+    const auto at_most =
+        std::count_if(smallest_.begin(), smallest_.end(),
+                      [&](double of_replicate) { return of_replicate <= smallest; });
     return (1.0 + static_cast<double>(at_most)) / (1.0 + static_cast<double>(smallest_.size()));
   }
 
@@ -113,16 +114,17 @@ class Ranking {
 /// Returns step-down adjusted p-values (Westfall and Young). The largest |z| is compared with the
 /// maximum over all statistics, the next one with the maximum over the rest. The p-values never
 /// decrease along this order.
-Eigen::VectorXd StepDown(const Eigen::VectorXd& z, const std::vector<Eigen::VectorXd>& of_twins) {
+Eigen::VectorXd StepDown(const Eigen::VectorXd& z,
+                         const std::vector<Eigen::VectorXd>& of_replicates) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
             [&](Eigen::Index a, Eigen::Index b) { return std::abs(z[a]) < std::abs(z[b]); });
-  std::vector<double> largest(of_twins.size(), 0.0);
+  std::vector<double> largest(of_replicates.size(), 0.0);
   Eigen::VectorXd p(z.size());
   for (const Eigen::Index at : order) {  // from the smallest, so that the maxima grow
-    for (std::size_t b = 0; b < of_twins.size(); ++b) {
-      largest[b] = std::max(largest[b], std::abs(of_twins[b][at]));
+    for (std::size_t b = 0; b < of_replicates.size(); ++b) {
+      largest[b] = std::max(largest[b], std::abs(of_replicates[b][at]));
     }
     p[at] = Rank(largest, std::abs(z[at]));
   }
@@ -150,8 +152,8 @@ ResidualSummary SummariseResiduals(const Screen& screen, const Locations& locati
 ReplicateSet MakeReplicates(const Marginals& marginals, const Screen& screen,
                             const Locations& locations, const ReplicateOptions& options) {
   const LinearizedNetwork& linearized = marginals.linearized();
-  ReplicateSet twins;
-  twins.all.resize(static_cast<std::size_t>(options.count));
+  ReplicateSet replicates;
+  replicates.all.resize(static_cast<std::size_t>(options.count));
   for (int first = 0; first < options.count; first += kBatch) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
     if (options.progress) options.progress(static_cast<double>(first) / options.count);
@@ -164,11 +166,11 @@ ReplicateSet MakeReplicates(const Marginals& marginals, const Screen& screen,
     const Eigen::MatrixXd R = marginals.Project(E);
     const Eigen::MatrixXd S = screen.Scores(linearized, R);
     ParallelFor(batch, options.threads, [&](int k) {
-      const auto twin = static_cast<std::size_t>(first) + static_cast<std::size_t>(k);
-      twins.all[twin] = SummariseResiduals(screen, locations, R.col(k), S.col(k));
+      const auto replicate = static_cast<std::size_t>(first) + static_cast<std::size_t>(k);
+      replicates.all[replicate] = SummariseResiduals(screen, locations, R.col(k), S.col(k));
     });
   }
-  return twins;
+  return replicates;
 }
 
 std::vector<Eigen::Index> ReplicateTest::LargestFirst() const {
@@ -179,8 +181,8 @@ std::vector<Eigen::Index> ReplicateTest::LargestFirst() const {
   return order;
 }
 
-ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const ReplicateSet& twins) {
-  const Ranking ranking(twins, twins.all.size() / 2, twins.all.size());
+ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const ReplicateSet& replicates) {
+  const Ranking ranking(replicates, replicates.all.size() / 2, replicates.all.size());
   const Statistics& statistics = ranking.statistics();
   const Ranks ranks = ranking.RankFlight(flight);
   ReplicateTest test;
@@ -196,8 +198,8 @@ ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const Replica
   test.p_library = ranks.library;
   test.p_value = ranking.P(flight);
   std::vector<Eigen::VectorXd> z_of_replicates;
-  for (std::size_t k = twins.all.size() / 2; k < twins.all.size(); ++k) {
-    z_of_replicates.push_back(statistics.Z(twins.all[k]));
+  for (std::size_t k = replicates.all.size() / 2; k < replicates.all.size(); ++k) {
+    z_of_replicates.push_back(statistics.Z(replicates.all[k]));
   }
   test.p_adjusted = StepDown(test.z, z_of_replicates);
   std::vector<double> library = ranking.library();
@@ -206,13 +208,13 @@ ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const Replica
   return test;
 }
 
-double TestReplicateConsistency(const ReplicateSet& twins) {
-  const std::size_t third = twins.all.size() / 3;
+double TestReplicateConsistency(const ReplicateSet& replicates) {
+  const std::size_t third = replicates.all.size() / 3;
   if (third < 2) return 1.0;
-  const Ranking ranking(twins, third, 2 * third);
+  const Ranking ranking(replicates, third, 2 * third);
   std::vector<double> p_values;
-  for (std::size_t k = 2 * third; k < twins.all.size(); ++k) {
-    p_values.push_back(ranking.P(twins.all[k]));
+  for (std::size_t k = 2 * third; k < replicates.all.size(); ++k) {
+    p_values.push_back(ranking.P(replicates.all[k]));
   }
   return UniformityPValue(std::move(p_values), static_cast<double>(third));
 }

@@ -67,12 +67,12 @@ struct ReplicateTest {
 };
 
 /// Compares a flight with its replicates.
-ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const ReplicateSet& twins);
+ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const ReplicateSet& replicates);
 
 /// Returns the p-value of a test of replicates against replicates. One third standardises and one
 /// third ranks. The p-values of the last third are compared with the uniform distribution of
 /// flights without a gap (Kolmogorov and Smirnov). The ranking replicates are the same for all, so
 /// their number counts as that of a second sample.
-double TestReplicateConsistency(const ReplicateSet& twins);
+double TestReplicateConsistency(const ReplicateSet& replicates);
 
 }  // namespace dn::internal

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "evidence.h"
+#include "hypothesis_evidence.h"
 #include "library.h"
 
 namespace dn::internal {

@@ -25,7 +25,7 @@ GapShrinkage MakeShrinkage(double excess, double left, std::vector<double> devia
   return shrinkage;
 }
 
-GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after) {
+GapShrinkage OmnibusShrinkage(const GapEvidence& before, const GapEvidence& after) {
   // A gap that shows only in raw data and outliers leaves the location statistics like those of
   // replicates.
   if (before.test.p_omnibus > kVisible && after.test.p_omnibus > kVisible) {

@@ -15,13 +15,13 @@ GapShrinkage MakeShrinkage(double excess, double left, std::vector<double> devia
 
 /// A flight compared with its replicates, and the log evidence of raw inertial noise and outliers,
 /// which the replicates do not contain.
-struct Departure {
+struct GapEvidence {
   const ReplicateTest& test;
   double outside_nats = 0.0;
 };
 
 /// Returns the reduction of the gap: 1 - excess after / excess before. The excess is the omnibus
 /// statistic, a chi-square, minus its mean over replicates, plus twice the evidence outside them.
-GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after);
+GapShrinkage OmnibusShrinkage(const GapEvidence& before, const GapEvidence& after);
 
 }  // namespace dn::internal

@@ -159,10 +159,10 @@ std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scen
     SimulateOptions simulate;
     simulate.seed = MixBits(options.seed + static_cast<std::uint64_t>(k));
     simulate.replay = &replayed;
-    Flight twin = Simulate(scenario, simulate).flight;
-    CopyAssumptions(flight.config, &twin.config);
+    Flight replicate = Simulate(scenario, simulate).flight;
+    CopyAssumptions(flight.config, &replicate.config);
     try {
-      all[static_cast<std::size_t>(k)] = ComputeStatistics(twin, options.interrupted);
+      all[static_cast<std::size_t>(k)] = ComputeStatistics(replicate, options.interrupted);
     } catch (const NotConverged&) {
       return;
     } catch (const InvalidInput&) {
@@ -174,12 +174,12 @@ std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scen
 }
 
 LinearReplicates NameLinearReplicates(const std::vector<LocationStatistic>& statistics,
-                                      const ReplicateSet& twins, const ReplicateTest& test) {
+                                      const ReplicateSet& replicates, const ReplicateTest& test) {
   LinearReplicates linear;
   linear.mean = Comparable(statistics, test.mean);
   linear.sigma = Comparable(statistics, test.sigma);
-  for (const ResidualSummary& twin : twins.all) {
-    linear.all.push_back(Comparable(statistics, twin.locations));
+  for (const ResidualSummary& replicate : replicates.all) {
+    linear.all.push_back(Comparable(statistics, replicate.locations));
   }
   return linear;
 }
@@ -208,13 +208,14 @@ std::optional<double> TestSimulatedAgainstLinear(const std::vector<NamedStatisti
 }
 
 std::optional<double> TestAmongReplicates(const NamedStatistics& flight,
-                                          const std::vector<NamedStatistics>& twins,
+                                          const std::vector<NamedStatistics>& replicates,
                                           const LinearReplicates& linear, std::uint64_t seed) {
-  std::vector<NamedStatistics> both = twins;
+  std::vector<NamedStatistics> both = replicates;
   both.push_back(flight);
   const std::vector<std::string> names = CommonNames(both, linear.mean);
   const std::size_t half = linear.all.size() / 2;
-  if (twins.size() < kMinReplicates || names.empty() || half <= twins.size()) return std::nullopt;
+  if (replicates.size() < kMinReplicates || names.empty() || half <= replicates.size())
+    return std::nullopt;
   std::vector<Eigen::VectorXd> z;
   for (const NamedStatistics& one : linear.all) z.push_back(Standardised(one, names, linear));
   const Eigen::MatrixXd correlation = ShrunkCorrelation(z);
@@ -222,7 +223,7 @@ std::optional<double> TestAmongReplicates(const NamedStatistics& flight,
   Eigen::VectorXd mark(of_flight.size()), off(of_flight.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    const MeanAndSigma of_replicates = *ReplicateMeanAndSigma(twins, names[k]);
+    const MeanAndSigma of_replicates = *ReplicateMeanAndSigma(replicates, names[k]);
     const double unit = linear.sigma.at(names[k]);
     mark[at] = (of_replicates.mean - linear.mean.at(names[k])) / unit;
     const double scatter = std::max(of_replicates.sigma / unit, 1.0);
@@ -232,22 +233,22 @@ std::optional<double> TestAmongReplicates(const NamedStatistics& flight,
   Random random(seed, "flight among its twins");
   int as_far = 0;
   for (int draw = 0; draw < kPermutations; ++draw) {
-    const std::vector<std::size_t> some = Drawn(z.size() - half, 1 + twins.size(), &random);
+    const std::vector<std::size_t> some = Drawn(z.size() - half, 1 + replicates.size(), &random);
     Eigen::VectorXd replicate_off = z[half + some[0]];
     for (std::size_t k = 1; k < some.size(); ++k) {
-      replicate_off -= z[half + some[k]] / static_cast<double>(twins.size());
+      replicate_off -= z[half + some[k]] / static_cast<double>(replicates.size());
     }
     if (DeviationSize(mark + z[half + some[0]], replicate_off, correlation) >= size) ++as_far;
   }
   return (1.0 + as_far) / (1.0 + kPermutations);
 }
 
-std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatistics>& twins,
+std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatistics>& replicates,
                                                   const std::string& name) {
   std::vector<double> values;
-  for (const NamedStatistics& twin : twins) {
-    const auto at = twin.find(name);
-    if (at != twin.end()) values.push_back(at->second);
+  for (const NamedStatistics& replicate : replicates) {
+    const auto at = replicate.find(name);
+    if (at != replicate.end()) values.push_back(at->second);
   }
   if (values.size() < 2) return std::nullopt;
   MeanAndSigma out;

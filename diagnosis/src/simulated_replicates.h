@@ -49,7 +49,7 @@ struct LinearReplicates {
 };
 /// Returns the statistics of linear replicates by name.
 LinearReplicates NameLinearReplicates(const std::vector<LocationStatistic>& statistics,
-                                      const ReplicateSet& twins, const ReplicateTest& test);
+                                      const ReplicateSet& replicates, const ReplicateTest& test);
 
 /// Returns the p-value of the energy distance of simulated and linear replicates of the assumed
 /// model, by permutation. A small value means that linear replicates do not represent flights.
@@ -65,7 +65,7 @@ std::optional<double> TestSimulatedAgainstLinear(const std::vector<NamedStatisti
 /// ground of the replicates, which differs from that of the flight. Returns nullopt with fewer than
 /// three replicates.
 std::optional<double> TestAmongReplicates(const NamedStatistics& flight,
-                                          const std::vector<NamedStatistics>& twins,
+                                          const std::vector<NamedStatistics>& replicates,
                                           const LinearReplicates& linear, std::uint64_t seed);
 
 /// Mean and standard deviation of a statistic over the replicates that have it.
@@ -73,7 +73,7 @@ struct MeanAndSigma {
   double mean = 0.0, sigma = 0.0;
 };
 /// Returns nullopt if fewer than two replicates have the statistic.
-std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatistics>& twins,
+std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatistics>& replicates,
                                                   const std::string& name);
 
 }  // namespace dn::internal

@@ -35,18 +35,18 @@ ResidualSummary Drawn(Random* random) {
 }
 
 ReplicateSet DrawReplicates(Random* random) {
-  ReplicateSet twins;
-  for (int k = 0; k < kReplicates; ++k) twins.all.push_back(Drawn(random));
-  return twins;
+  ReplicateSet replicates;
+  for (int k = 0; k < kReplicates; ++k) replicates.all.push_back(Drawn(random));
+  return replicates;
 }
 
 TEST(CompareWithReplicates, IsAsOftenSmallAsItSays) {
   constexpr long kFlights = 400;
   Random random(7, "flights without a gap");
-  const ReplicateSet twins = DrawReplicates(&random);
+  const ReplicateSet replicates = DrawReplicates(&random);
   long below_half = 0;
   for (long k = 0; k < kFlights; ++k) {
-    if (CompareWithReplicates(Drawn(&random), twins).p_value <= 0.5) ++below_half;
+    if (CompareWithReplicates(Drawn(&random), replicates).p_value <= 0.5) ++below_half;
   }
   // All flights use the same 100 ranking replicates. Their own share below a half is random with a
   // standard deviation of 5 %.
@@ -54,13 +54,13 @@ TEST(CompareWithReplicates, IsAsOftenSmallAsItSays) {
   EXPECT_TRUE(usual.Contains(static_cast<double>(below_half) / kFlights)) << below_half;
 }
 
-TEST(CompareWithReplicates, IsRightOverManySetsOfTwins) {
+TEST(CompareWithReplicates, IsRightOverManySetsOfReplicates) {
   constexpr long kFlights = 150;
   long small = 0;
   for (long k = 0; k < kFlights; ++k) {
     Random random(static_cast<std::uint64_t>(k), "flight and twins");
-    const ReplicateSet twins = DrawReplicates(&random);
-    if (CompareWithReplicates(Drawn(&random), twins).p_value <= 0.1) ++small;
+    const ReplicateSet replicates = DrawReplicates(&random);
+    if (CompareWithReplicates(Drawn(&random), replicates).p_value <= 0.1) ++small;
   }
   const Interval usual = BinomialInterval(0.9999, kFlights, 0.1);
   EXPECT_TRUE(usual.Contains(static_cast<double>(small) / kFlights)) << small;
@@ -68,10 +68,10 @@ TEST(CompareWithReplicates, IsRightOverManySetsOfTwins) {
 
 TEST(CompareWithReplicates, FindsThePlaceThatDeparts) {
   Random random(3, "a flight with a gap");
-  const ReplicateSet twins = DrawReplicates(&random);
+  const ReplicateSet replicates = DrawReplicates(&random);
   ResidualSummary flight = Drawn(&random);
   flight.locations[4] += 20.0;
-  const ReplicateTest test = CompareWithReplicates(flight, twins);
+  const ReplicateTest test = CompareWithReplicates(flight, replicates);
   constexpr double kLeast = 1.0 / 101.0;  // 100 replicates rank
   EXPECT_DOUBLE_EQ(test.p_largest, kLeast);
   EXPECT_DOUBLE_EQ(test.p_adjusted[4], kLeast);
@@ -85,10 +85,10 @@ TEST(CompareWithReplicates, FindsThePlaceThatDeparts) {
 
 TEST(CompareWithReplicates, EvidenceAloneShowsAGap) {
   Random random(3, "a flight with a gap");
-  const ReplicateSet twins = DrawReplicates(&random);
+  const ReplicateSet replicates = DrawReplicates(&random);
   ResidualSummary flight = Drawn(&random);
   flight.log_evidence[1] = 40.0;
-  const ReplicateTest test = CompareWithReplicates(flight, twins);
+  const ReplicateTest test = CompareWithReplicates(flight, replicates);
   EXPECT_DOUBLE_EQ(test.p_library, 1.0 / 101.0);
   EXPECT_LT(test.evidence_95, 40.0);
 }
@@ -102,11 +102,11 @@ TEST(TestReplicateConsistency, AgreeWhereTheyAreAlike) {
 
 TEST(TestReplicateConsistency, DifferWhereSomeAreOthers) {
   Random random(1, "twins");
-  ReplicateSet twins = DrawReplicates(&random);
-  for (std::size_t k = 2 * twins.all.size() / 3; k < twins.all.size(); ++k) {
-    twins.all[k].locations[0] += 8.0;
+  ReplicateSet replicates = DrawReplicates(&random);
+  for (std::size_t k = 2 * replicates.all.size() / 3; k < replicates.all.size(); ++k) {
+    replicates.all[k].locations[0] += 8.0;
   }
-  EXPECT_LT(TestReplicateConsistency(twins), 1e-4);
+  EXPECT_LT(TestReplicateConsistency(replicates), 1e-4);
 }
 
 Comparison CompareDrone(const std::string& effects) {

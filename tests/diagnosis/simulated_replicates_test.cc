@@ -117,7 +117,7 @@ NamedStatistics Noise(int count, Random* random) {
 
 // The statistics are those in which the flight is most unusual. Without a gap, it is unusual by
 // chance only.
-TEST(TestAmongReplicates, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
+TEST(TestAmongReplicates, IsUniformForAFlightThatIsOneMoreReplicate) {
   constexpr int kFlights = 60, kStatistics = 120;
   int below = 0;
   for (int flight = 0; flight < kFlights; ++flight) {
@@ -129,21 +129,21 @@ TEST(TestAmongReplicates, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
       linear.mean[name] = 0.0;
       linear.sigma[name] = 1.0;
     }
-    std::vector<NamedStatistics> twins;
-    for (int k = 0; k < 8; ++k) twins.push_back(Noise(kStatistics, &random));
-    const auto p = TestAmongReplicates(Noise(kStatistics, &random), twins, linear, 1);
+    std::vector<NamedStatistics> replicates;
+    for (int k = 0; k < 8; ++k) replicates.push_back(Noise(kStatistics, &random));
+    const auto p = TestAmongReplicates(Noise(kStatistics, &random), replicates, linear, 1);
     ASSERT_TRUE(p.has_value());
     below += *p < 0.1 ? 1 : 0;
   }
   EXPECT_LE(below, 13);  // 6 +- 2.3 are expected
 }
 
-TEST(ReplicateMeanAndSigma, IsThatOfTheTwinsThatHaveIt) {
-  const std::vector<NamedStatistics> twins{{{"a", 1.0}}, {{"a", 3.0}, {"b", 5.0}}};
-  ASSERT_TRUE(ReplicateMeanAndSigma(twins, "a").has_value());
-  EXPECT_DOUBLE_EQ(ReplicateMeanAndSigma(twins, "a")->mean, 2.0);
-  EXPECT_DOUBLE_EQ(ReplicateMeanAndSigma(twins, "a")->sigma, std::sqrt(2.0));
-  EXPECT_FALSE(ReplicateMeanAndSigma(twins, "b").has_value());
+TEST(ReplicateMeanAndSigma, CoversTheReplicatesThatHaveTheStatistic) {
+  const std::vector<NamedStatistics> replicates{{{"a", 1.0}}, {{"a", 3.0}, {"b", 5.0}}};
+  ASSERT_TRUE(ReplicateMeanAndSigma(replicates, "a").has_value());
+  EXPECT_DOUBLE_EQ(ReplicateMeanAndSigma(replicates, "a")->mean, 2.0);
+  EXPECT_DOUBLE_EQ(ReplicateMeanAndSigma(replicates, "a")->sigma, std::sqrt(2.0));
+  EXPECT_FALSE(ReplicateMeanAndSigma(replicates, "b").has_value());
 }
 
 }  // namespace dn::internal::simulated_replicates_test

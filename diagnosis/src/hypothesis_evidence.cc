@@ -1,4 +1,4 @@
-#include "evidence.h"
+#include "hypothesis_evidence.h"
 
 #include <algorithm>
 
