@@ -37,18 +37,18 @@ Combinations Combine(const Library& library, const std::vector<ScreenedEffect>& 
   out.T.resize(score.s.size(), 0);
   for (const ScreenedEffect& effect : chosen) {
     if (!IsFixed(effect)) continue;
-    const Candidate& candidate = library.candidates[effect.candidate];
-    const Index n = candidate.typical.size(), before = out.T.cols();
-    const Index first = score.first[candidate.block];
+    const Hypothesis& hypothesis = library.hypotheses[effect.candidate];
+    const Index n = hypothesis.typical.size(), before = out.T.cols();
+    const Index first = score.first[hypothesis.block];
     out.T.conservativeResize(Eigen::NoChange, before + n);
     out.T.rightCols(n).setZero();
-    const int cell = candidate.cells ? candidate.cells->first : 0;
-    const int past = candidate.cells ? candidate.cells->past : 1;
+    const int cell = hypothesis.cells ? hypothesis.cells->first : 0;
+    const int past = hypothesis.cells ? hypothesis.cells->past : 1;
     for (int k = cell; k < past; ++k) {
       out.T.block(first + n * k, before, n, n).setIdentity();
     }
     out.typical.conservativeResize(before + n);
-    out.typical.tail(n) = candidate.typical;
+    out.typical.tail(n) = hypothesis.typical;
   }
   return out;
 }
@@ -229,7 +229,7 @@ class GaussHelmertEvidence::Search {
     Index first = 0;
     for (ScreenedEffect& effect : out->chosen) {
       if (!IsFixed(effect)) continue;
-      const Index n = evidence_.library_.library.candidates[effect.candidate].typical.size();
+      const Index n = evidence_.library_.library.hypotheses[effect.candidate].typical.size();
       effect.estimate = test.estimate.segment(first, n);
       effect.sigma = test.covariance.diagonal().segment(first, n).cwiseMax(0.0).cwiseSqrt();
       effect.boresight_rad = shift.middleCols(first, n) * effect.estimate;

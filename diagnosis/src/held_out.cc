@@ -31,8 +31,8 @@ std::vector<FoldDensity::Further> LikeliestFurther(const ExtendedFit& explained)
   const Library& library = explained.screen->library();
   for (const ScreenedEffect& effect : explained.screen->Effects()) {
     if (further.size() >= kMostFurther) break;
-    const Candidate& candidate = library.candidates[effect.candidate];
-    further.push_back({CandidateModel(candidate, library), candidate.typical});
+    const Hypothesis& hypothesis = library.hypotheses[effect.candidate];
+    further.push_back({SelectColumns(hypothesis, library), hypothesis.typical});
   }
   return further;
 }

@@ -32,7 +32,7 @@ struct Rival {
 class Mimicry {
  public:
   explicit Mimicry(const Screen& screen)
-      : screen_(screen), inverse_(screen.library().candidates.size()) {}
+      : screen_(screen), inverse_(screen.library().hypotheses.size()) {}
 
   /// Returns c^T A^+ c of a candidate, where c is its cross information with the effect.
   double Absorbed(std::size_t candidate, const Eigen::VectorXd& c) {
@@ -55,7 +55,7 @@ class NamingTrials {
         mimicry_(*mimicry),
         direction_(direction),
         threshold_nats_(threshold_nats) {
-    rivals_.push_back({truth, screen.library().candidates[truth].name});
+    rivals_.push_back({truth, screen.library().hypotheses[truth].name});
     FindCompetingEffects();
     Factor();
   }
@@ -80,14 +80,14 @@ class NamingTrials {
   }
 
  private:
-  const Candidate& FindCandidate(const Rival& rival) const {
-    return screen_.library().candidates[rival.candidate];
+  const Hypothesis& FindHypothesis(const Rival& rival) const {
+    return screen_.library().hypotheses[rival.candidate];
   }
 
   /// Finds the candidate of every other family that mimics the effect best.
   void FindCompetingEffects() {
-    const Candidate& truth = FindCandidate(rivals_[0]);
-    const Eigen::MatrixXd A = CandidateInformation(truth, screen_.score());
+    const Hypothesis& truth = FindHypothesis(rivals_[0]);
+    const Eigen::MatrixXd A = SelectInformation(truth, screen_.score());
     const double lambda = direction_.dot(A * direction_);
     for (const EffectFamily& family : screen_.families()) {
       if (family.name == rivals_[0].name) continue;
@@ -95,8 +95,8 @@ class NamingTrials {
       std::size_t best = family.first;
       const std::size_t stride = std::max<std::size_t>(1, (family.past - family.first) / 40);
       for (std::size_t k = family.first; k < family.past; k += stride) {
-        const Candidate& other = screen_.library().candidates[k];
-        const Eigen::VectorXd c = CandidateInformation(other, truth, screen_.score()) * direction_;
+        const Hypothesis& other = screen_.library().hypotheses[k];
+        const Eigen::VectorXd c = SelectInformation(other, truth, screen_.score()) * direction_;
         const double mimicked = mimicry_.Absorbed(k, c) / std::max(lambda, 1e-300);
         if (mimicked > most) {
           most = mimicked;
@@ -113,18 +113,18 @@ class NamingTrials {
     Eigen::Index n = 0;
     for (const Rival& rival : rivals_) {
       first_.push_back(n);
-      n += CandidateInformation(FindCandidate(rival), screen_.score()).rows();
+      n += SelectInformation(FindHypothesis(rival), screen_.score()).rows();
     }
     first_.push_back(n);
     Eigen::MatrixXd joint(n, n);
     Eigen::VectorXd signature(n);
     for (std::size_t a = 0; a < rivals_.size(); ++a) {
       signature.segment(first_[a], first_[a + 1] - first_[a]) =
-          CandidateSignature(FindCandidate(rivals_[a]), screen_.score());
+          SelectSignature(FindHypothesis(rivals_[a]), screen_.score());
       for (std::size_t b = 0; b < rivals_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
-            CandidateInformation(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]),
-                                 screen_.score());
+            SelectInformation(FindHypothesis(rivals_[a]), FindHypothesis(rivals_[b]),
+                              screen_.score());
       }
     }
     // An effect that is present enters the residuals with a negative sign: the score decreases.
@@ -154,41 +154,33 @@ class NamingTrials {
   Eigen::MatrixXd cross_, root_;
 };
 
-/// Returns the minimal detectable bias of each component alone, SI.
-Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
-  Eigen::VectorXd sizes(A.rows());
-  for (Eigen::Index k = 0; k < A.rows(); ++k) {
-    sizes[k] = MinimalDetectableBias(A(k, k), signature[k]);
-  }
-  return sizes;
-}
-
 /// Returns the best-determined direction of the components scaled by their typical sizes, SI.
-Eigen::VectorXd BestDirection(const Candidate& candidate, const Eigen::MatrixXd& A) {
-  const SymmetricEigen eigen(candidate.typical.asDiagonal() * A * candidate.typical.asDiagonal());
+Eigen::VectorXd BestDirection(const Hypothesis& hypothesis, const Eigen::MatrixXd& A) {
+  const SymmetricEigen eigen(hypothesis.typical.asDiagonal() * A * hypothesis.typical.asDiagonal());
   const Eigen::VectorXd best = eigen.vectors.col(eigen.vectors.cols() - 1);
-  return candidate.typical.cwiseProduct(best);
+  return hypothesis.typical.cwiseProduct(best);
 }
 
 DetectionLimit Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
                       double threshold_nats, std::uint64_t seed) {
   const std::size_t middle = family.first + (family.past - family.first) / 2;
-  const Candidate& candidate = screen.library().candidates[middle];
-  const Eigen::MatrixXd A = CandidateInformation(candidate, screen.score());
-  const Eigen::VectorXd direction = BestDirection(candidate, A);
+  const Hypothesis& hypothesis = screen.library().hypotheses[middle];
+  const Eigen::MatrixXd A = SelectInformation(hypothesis, screen.score());
+  const Eigen::VectorXd direction = BestDirection(hypothesis, A);
   const double lambda = direction.dot(A * direction);
-  const Eigen::VectorXd of_components = CandidateSignature(candidate, screen.score());
+  const Eigen::VectorXd of_components = SelectSignature(hypothesis, screen.score());
   const double signature = of_components.dot(direction.cwiseAbs2());
   DetectionLimit hidden;
-  hidden.effect = candidate.name;
-  hidden.unit = candidate.unit;
+  hidden.effect = hypothesis.name;
+  hidden.unit = hypothesis.unit;
   // The size of an effect is that of its largest component.
-  const double unit = candidate.per_si * direction.cwiseAbs().maxCoeff();
-  hidden.detectable_by_component = candidate.per_si * DetectableAlone(A, of_components);
+  const double unit = hypothesis.per_si * direction.cwiseAbs().maxCoeff();
+  hidden.detectable_by_component =
+      hypothesis.per_si * MinimalDetectableBiases(hypothesis, screen.score());
   const double detectable = MinimalDetectableBias(lambda, signature);
   hidden.minimal_detectable = detectable * unit;
   if (std::isfinite(detectable) && screen.score().shift.rows() == 3) {
-    hidden.boresight_shift_rad = detectable * CandidateShift(candidate, screen.score()) * direction;
+    hidden.boresight_shift_rad = detectable * SelectShift(hypothesis, screen.score()) * direction;
   }
   const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
   std::map<std::string, int> instead;
@@ -220,7 +212,7 @@ std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double 
   std::vector<DetectionLimit> hidden;
   Mimicry mimicry(screen);
   for (const EffectFamily& family : screen.families()) {
-    const bool process = screen.library().candidates[family.first].tau_s.has_value();
+    const bool process = screen.library().hypotheses[family.first].tau_s.has_value();
     if (!family.id || process) continue;
     hidden.push_back(Limits(screen, &mimicry, family, threshold_nats, seed));
   }

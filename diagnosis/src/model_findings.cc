@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "evidence.h"
+
 namespace dn {
 namespace internal {
 namespace {

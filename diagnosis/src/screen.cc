@@ -32,11 +32,11 @@ Screen::Screen(Library library, JointScore score)
 }
 
 void Screen::MakeForms() {
-  for (std::size_t k = 0; k < library_.candidates.size(); ++k) {
-    const Candidate& candidate = library_.candidates[k];
-    forms_.emplace_back(CandidateInformation(candidate, score_), candidate.typical);
-    if (families_.empty() || families_.back().name != candidate.name) {
-      families_.push_back({candidate.name, candidate.id, k, k});
+  for (std::size_t k = 0; k < library_.hypotheses.size(); ++k) {
+    const Hypothesis& hypothesis = library_.hypotheses[k];
+    forms_.emplace_back(SelectInformation(hypothesis, score_), hypothesis.typical);
+    if (families_.empty() || families_.back().name != hypothesis.name) {
+      families_.push_back({hypothesis.name, hypothesis.id, k, k});
     }
     families_.back().past = k + 1;
   }
@@ -53,7 +53,7 @@ Eigen::MatrixXd Screen::Scores(const LinearizedNetwork& linearized,
 }
 
 double Screen::LogEvidence(std::size_t candidate, const Eigen::VectorXd& s) const {
-  return forms_[candidate].LogEvidence(CandidateScore(library_.candidates[candidate], score_, s));
+  return forms_[candidate].LogEvidence(SelectScore(library_.hypotheses[candidate], score_, s));
 }
 
 double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const {
@@ -63,9 +63,9 @@ double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s)
 }
 
 ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
-  const Candidate& of = library_.candidates[candidate];
-  return TestScore(CandidateScore(of, score_, s), CandidateInformation(of, score_),
-                   CandidateSignature(of, score_));
+  const Hypothesis& of = library_.hypotheses[candidate];
+  return TestScore(SelectScore(of, score_, s), SelectInformation(of, score_),
+                   SelectSignature(of, score_));
 }
 
 std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
@@ -96,43 +96,43 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
     }
   }
   effect.log_evidence = sum.Value() - std::log(static_cast<double>(family.past - family.first));
-  const Candidate& candidate = library_.candidates[effect.candidate];
-  effect.times = candidate.times;
-  effect.period_s = candidate.period_s;
-  effect.decay_s = candidate.decay_s;
+  const Hypothesis& hypothesis = library_.hypotheses[effect.candidate];
+  effect.times = hypothesis.times;
+  effect.period_s = hypothesis.period_s;
+  effect.decay_s = hypothesis.decay_s;
   const ScoreTest test = Test(effect.candidate, score_.s);
   if (test.dof > 0) {
     effect.p_value = std::min(1.0, ChiSquareTail(test.statistic, test.dof) *
                                        static_cast<double>(family.past - family.first));
   }
-  if (!candidate.tau_s) effect.statistic = test.statistic;
-  const Eigen::VectorXd signature = CandidateSignature(candidate, score_);
-  const Eigen::VectorXd weight = candidate.typical.cwiseAbs2();
-  effect.absorbed = 1.0 - CandidateInformation(candidate, score_).diagonal().dot(weight) /
+  if (!hypothesis.tau_s) effect.statistic = test.statistic;
+  const Eigen::VectorXd signature = SelectSignature(hypothesis, score_);
+  const Eigen::VectorXd weight = hypothesis.typical.cwiseAbs2();
+  effect.absorbed = 1.0 - SelectInformation(hypothesis, score_).diagonal().dot(weight) /
                               std::max(1e-300, signature.dot(weight));
-  if (candidate.tau_s) {
-    DescribeProcess(candidate, effect.candidate, &effect);
+  if (hypothesis.tau_s) {
+    DescribeProcess(hypothesis, effect.candidate, &effect);
   } else {
-    DescribeFixed(candidate, effect.candidate, &effect);
+    DescribeFixed(hypothesis, effect.candidate, &effect);
   }
   return effect;
 }
 
-void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
+void Screen::DescribeFixed(const Hypothesis& hypothesis, std::size_t index,
                            ScreenedEffect* effect) const {
   const ScoreTest test = Test(index, score_.s);
   effect->estimate = test.estimate;
   effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   if (score_.shift.rows() == 3) {
-    effect->boresight_rad = CandidateShift(candidate, score_) * test.estimate;
+    effect->boresight_rad = SelectShift(hypothesis, score_) * test.estimate;
   }
 }
 
 // Estimates the common factor of the sigmas, and its standard deviation from the curvature of the
 // evidence.
-void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
+void Screen::DescribeProcess(const Hypothesis& hypothesis, std::size_t index,
                              ScreenedEffect* effect) const {
-  const Eigen::VectorXd s = CandidateScore(candidate, score_, score_.s);
+  const Eigen::VectorXd s = SelectScore(hypothesis, score_, score_.s);
   double best = -std::numeric_limits<double>::infinity(), variance = 1.0;
   for (int step = -40; step <= 40; ++step) {
     const double v = std::pow(10.0, 0.1 * step);
@@ -147,7 +147,7 @@ void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
                             forms_[index].LogEvidence(s, variance * std::exp(-step))) /
                            (step * step);
   const double relative = 0.5 / std::sqrt(std::max(curvature, 1e-3));
-  const EffectSpec& spec = *FindEffect(candidate.name);
+  const EffectSpec& spec = *FindEffect(hypothesis.name);
   const auto sigmas = static_cast<Eigen::Index>(spec.components.size()) - 1;
   effect->estimate.resize(sigmas + 1);
   effect->sigma.resize(sigmas + 1);
@@ -156,7 +156,7 @@ void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
         std::sqrt(variance) * spec.components[static_cast<std::size_t>(k)].typical_si();
     effect->sigma[k] = relative * effect->estimate[k];
   }
-  effect->estimate[sigmas] = *candidate.tau_s;
+  effect->estimate[sigmas] = *hypothesis.tau_s;
   effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
 }
 

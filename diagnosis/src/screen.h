@@ -84,8 +84,9 @@ class Screen {
   void MakeForms();
   double LogEvidence(std::size_t candidate, const Eigen::VectorXd& s) const;
   ScreenedEffect Describe(const EffectFamily& family) const;
-  void DescribeProcess(const Candidate& candidate, std::size_t index, ScreenedEffect* effect) const;
-  void DescribeFixed(const Candidate& candidate, std::size_t index, ScreenedEffect* effect) const;
+  void DescribeProcess(const Hypothesis& hypothesis, std::size_t index,
+                       ScreenedEffect* effect) const;
+  void DescribeFixed(const Hypothesis& hypothesis, std::size_t index, ScreenedEffect* effect) const;
 
   Library library_;
   JointScore score_;

@@ -42,9 +42,9 @@ const GapCause* Find(const GapDiagnosis& diagnosis, const std::string& effect) {
   return at == diagnosis.causes.end() ? nullptr : &*at;
 }
 
-const Candidate* CandidateForEffect(const Screen& screen, const std::string& effect) {
+const Hypothesis* FindHypothesis(const Screen& screen, const std::string& effect) {
   for (const EffectFamily& family : screen.families()) {
-    if (family.name == effect) return &screen.library().candidates[family.first];
+    if (family.name == effect) return &screen.library().hypotheses[family.first];
   }
   return nullptr;
 }
@@ -190,15 +190,15 @@ std::vector<Tie> FindTies(const GapDiagnosis& diagnosis) {
 }
 
 double Separation(const Screen& screen, const GapCause& named, const std::string& rival) {
-  const Candidate* of_named = CandidateForEffect(screen, named.effect);
-  const Candidate* of_rival = CandidateForEffect(screen, rival);
+  const Hypothesis* of_named = FindHypothesis(screen, named.effect);
+  const Hypothesis* of_rival = FindHypothesis(screen, rival);
   if (of_named == nullptr || of_rival == nullptr) return std::numeric_limits<double>::infinity();
   const JointScore& score = screen.score();
   const Eigen::VectorXd size = named.estimate / of_named->per_si;
-  const double alone = size.dot(CandidateInformation(*of_named, score) * size);
-  const Eigen::VectorXd shared = CandidateInformation(*of_rival, *of_named, score) * size;
-  const ScoreTest taken_up = TestScore(shared, CandidateInformation(*of_rival, score),
-                                       CandidateSignature(*of_rival, score));
+  const double alone = size.dot(SelectInformation(*of_named, score) * size);
+  const Eigen::VectorXd shared = SelectInformation(*of_rival, *of_named, score) * size;
+  const ScoreTest taken_up =
+      TestScore(shared, SelectInformation(*of_rival, score), SelectSignature(*of_rival, score));
   return alone - taken_up.statistic;
 }
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "candidate_effects.h"
+#include "network_hypotheses.h"
 #include "testing/short_flights.h"
 #include "testing/torsion.h"
 
@@ -156,12 +156,15 @@ Scenario InjectionScenario(const Injection& injection, const std::string& extra)
 /// Returns the estimate of one effect alone.
 Eigen::VectorXd EstimateEffect(const std::string& name, const Checked& flight) {
   const FlightNetwork& network = *flight.calibration.adjustment.network;
-  for (const CandidateEffect& candidate : CandidateEffects(network)) {
-    if (candidate.name != name) continue;
-    return candidate.per_si *
-           TestEffects(flight.calibration.marginals, {candidate.model}).front().estimate;
+  const internal::Library library = internal::MakeNetworkHypotheses(network);
+  for (const internal::Hypothesis& hypothesis : library.hypotheses) {
+    if (hypothesis.name != name) continue;
+    return hypothesis.per_si *
+           TestEffects(flight.calibration.marginals, {library.blocks[hypothesis.block]})
+               .front()
+               .estimate;
   }
-  ADD_FAILURE() << "no candidate " << name;
+  ADD_FAILURE() << "no hypothesis " << name;
   return {};
 }
 
