@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "competing_hypotheses.h"
 #include "explained_flight.h"
-#include "slots.h"
 
 namespace dn::internal {
 

@@ -16,11 +16,11 @@
 #include <limits>
 #include <utility>
 
+#include "competing_hypotheses.h"
 #include "decision.h"
+#include "detection_limits.h"
 #include "gauss_helmert_evidence.h"
-#include "hidden_effects.h"
 #include "outlier_evidence.h"
-#include "slots.h"
 #include "stopwatch.h"
 #include "twins.h"
 #include "unavailable.h"

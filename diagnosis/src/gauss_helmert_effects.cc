@@ -145,7 +145,7 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
   const ScoreSelection selection = SelectByScores(library, search.score(), family);
   GaussHelmertEffects out;
   out.effects = selection.effects;
-  out.departures = CheckDiscrepancies(library, selection.left, kNoExcess, family);
+  out.discrepancies = CheckDiscrepancies(library, selection.left, kNoExcess, family);
   if (!selection.chosen.empty()) out.share_left = errors.ResidualShare(selection.joint);
   return out;
 }

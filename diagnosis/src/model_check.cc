@@ -65,7 +65,7 @@ class Checker {
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
-    check_.departures = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
     CheckCommonErrors(left);
     check_.p_value = check_.SmallestPValue();
     return std::move(check_);
@@ -109,7 +109,7 @@ class Checker {
     gain_ = linearized_.Times(marginals_.Solve(unit));
   }
 
-  void CheckGroups(const Eigen::VectorXd& beside_effects) {
+  void CheckGroups(const Eigen::VectorXd& with_effects) {
     for (std::size_t g = 0; g < num_channels_; ++g) {
       const ChannelFit fit =
           TestChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
@@ -118,8 +118,7 @@ class Checker {
       group.observations = fit.observations;
       group.redundancy = fit.redundancy;
       group.variance_ratio = fit.variance_ratio;
-      group.ratio_with_effects =
-          forms_[g].Energy(beside_effects) / std::max(group.redundancy, 1e-12);
+      group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
       group.p_value = family_.FamilyWise(fit.p_value);
       group.worst_t_s = fit.worst.row.t_s;
       group.worst_standardised = fit.worst.standardised;
@@ -127,7 +126,7 @@ class Checker {
     }
   }
 
-  void CheckCommonErrors(const Eigen::VectorXd& beside_effects) {
+  void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
     for (std::size_t c = num_channels_; c < forms_.size(); ++c) {
       const FormMoments& moments = moments_[c];
       CommonErrorCheck common;
@@ -140,7 +139,7 @@ class Checker {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
       }
-      const double left = forms_[c].Energy(beside_effects);
+      const double left = forms_[c].Energy(with_effects);
       common.explained = family_.FamilyWise(moments.UpperTail(left)) > kFamilyLevel;
       const double variance =
           moments.variance > 0.0 ? 2.0 * (left - moments.mean) / moments.variance : 0.0;
@@ -177,7 +176,7 @@ class Checker {
     score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
-    check_.unseen = FindUndetectable(library_, score, family_);
+    check_.undetectable = FindUndetectable(library_, score, family_);
     FindClocks(score);
   }
 
@@ -314,7 +313,7 @@ double ModelCheck::SmallestPValue() const {
   note(groups);
   note(common_errors);
   note(effects);
-  note(departures);
+  note(discrepancies);
   note(priors);
   return smallest;
 }

@@ -43,7 +43,7 @@ const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
 /// over all sets of competing hypotheses. The causes `named` come first, with the probability and
 /// the alternatives of their own set.
 void FillCauses(const std::vector<ScreenedEffect>& screened,
-                const std::vector<CompetingHypotheses>& slots, const std::vector<GapCause>& named,
+                const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis);
 
 /// Scales the probabilities of causes to the observed rate of correct names. Physics outside the
@@ -62,6 +62,6 @@ struct Decision {
 /// an unmodelled discrepancy is more probable than all names together and fits the data as well as
 /// they do.
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
-                  const std::vector<CompetingHypotheses>& slots);
+                  const std::vector<CompetingHypotheses>& sets);
 
 }  // namespace dn::internal

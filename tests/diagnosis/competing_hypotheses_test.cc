@@ -1,11 +1,11 @@
-#include "slots.h"
+#include "competing_hypotheses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace dn::internal::slots_test {
+namespace dn::internal::competing_hypotheses_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -173,4 +173,4 @@ TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
   EXPECT_THAT(verdict.credible_set, IsEmpty());
 }
 
-}  // namespace dn::internal::slots_test
+}  // namespace dn::internal::competing_hypotheses_test
