@@ -66,12 +66,12 @@ void PrintAssessment(const BoresightResult& boresight) {
 }
 
 /// Prints the effects that may be present without being detected.
-void PrintUnseen(const std::vector<UndetectableEffect>& unseen) {
+void PrintUndetectable(const std::vector<UndetectableEffect>& undetectable) {
   constexpr std::size_t kMaxPrinted = 3;
-  if (unseen.empty()) return;
+  if (undetectable.empty()) return;
   fmt::print("effects not detectable at their typical size (dn gap lists more):\n");
-  for (std::size_t k = 0; k < std::min(kMaxPrinted, unseen.size()); ++k) {
-    const UndetectableEffect& one = unseen[k];
+  for (std::size_t k = 0; k < std::min(kMaxPrinted, undetectable.size()); ++k) {
+    const UndetectableEffect& one = undetectable[k];
     const std::string shows = std::isfinite(one.minimal_detectable)
                                   ? fmt::format("detectable from {:.2g}", one.minimal_detectable)
                                   : "never detectable";
@@ -125,7 +125,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintClocks(flight_run.solution->model_check().clocks);
   PrintAssessment(boresight);
-  PrintUnseen(flight_run.solution->model_check().unseen);
+  PrintUndetectable(flight_run.solution->model_check().undetectable);
   PrintTimes(flight_run.timings);
 }
 

@@ -9,28 +9,26 @@
 #include <string>
 #include <utility>
 
-#include "effect_screen.h"
-#include "model_findings.h"
-
 namespace dn::internal {
 namespace {
 
 /// One unknown of the network, and the solution without estimating it.
 class Removed {
  public:
-  Removed(const FlightNetwork& network, const Marginals& marginals, const WatchedUnknowns& watched,
-          BlockId unknown)
+  Removed(const FlightNetwork& network, const Marginals& marginals,
+          const std::vector<BlockId>& watched, BlockId unknown)
       : record_(network.net.block(unknown)),
         estimate_(Eigen::VectorXd::Map(record_.value.get(), record_.kind.stored_size) -
                   AssumedValue(network.flight(), record_.name)),
         information_(marginals.Covariance(unknown).llt().solve(
             Eigen::MatrixXd::Identity(estimate_.size(), estimate_.size()))) {
-    Eigen::MatrixXd cross(watched.sigma.size(), estimate_.size());
+    const auto rows = 3 * static_cast<Eigen::Index>(watched.size());
+    Eigen::MatrixXd cross(rows, estimate_.size());
     Eigen::Index row = 0;
-    for (const BlockId block : watched.blocks) {
+    for (const BlockId block : watched) {
       const Eigen::MatrixXd C = marginals.Covariance(block, unknown);
-      cross.middleRows(row, C.rows()) = C;
-      row += C.rows();
+      cross.middleRows<3>(row) = C;
+      row += 3;
     }
     shift_ = -cross * information_;
   }
@@ -56,27 +54,25 @@ class Removed {
   Eigen::MatrixXd information_, shift_;
 };
 
-/// A candidate that replaces an unknown.
+/// A hypothesis that replaces an unknown.
 struct Replacement {
   double log_evidence = 0.0;
-  Eigen::VectorXd move;  ///< shift of the watched unknowns
+  Eigen::VectorXd shift;  ///< of the watched unknowns
 };
 
-Replacement ReplaceUnknown(const CandidateEffect& candidate,
-                           const std::vector<Eigen::Index>& components, const JointScore& score,
+Replacement ReplaceUnknown(const Hypothesis& hypothesis, const JointScore& score,
                            const Removed& removed, Eigen::Index first_row) {
-  const Eigen::MatrixXd Z_k =
-      score.shift(Eigen::seqN(first_row, removed.estimate().size()), components);
+  const Eigen::MatrixXd Z = SelectShift(hypothesis, score);
+  const Eigen::MatrixXd Z_k = Z.middleRows(first_row, removed.estimate().size());
   const Eigen::MatrixXd A_kj = removed.information() * Z_k;
-  const Eigen::VectorXd s = score.s(components) - A_kj.transpose() * removed.estimate();
-  Eigen::MatrixXd A = score.A(components, components);
-  A += Z_k.transpose() * A_kj;
+  const Eigen::VectorXd s =
+      SelectScore(hypothesis, score, score.s) - A_kj.transpose() * removed.estimate();
+  const Eigen::MatrixXd A = SelectInformation(hypothesis, score) + Z_k.transpose() * A_kj;
   Replacement out;
-  out.log_evidence = SizeAveragedEvidence(A, candidate.typical).LogEvidence(s);
-  A.diagonal() += (kMaxPerTypical * candidate.typical).cwiseAbs2().cwiseInverse();
-  const Eigen::VectorXd estimate = -A.ldlt().solve(s);
-  const Eigen::MatrixXd Z_x = score.shift(Eigen::seqN(0, removed.shift().rows()), components);
-  out.move = removed.shift() * (removed.estimate() - Z_k * estimate) - Z_x * estimate;
+  out.log_evidence = SizeAveragedEvidence(A, hypothesis.typical).LogEvidence(s);
+  const Eigen::VectorXd estimate = ShrunkEstimate(A, s, hypothesis.typical);
+  out.shift = removed.shift() * (removed.estimate() - Z_k * estimate) -
+              Z.topRows(removed.shift().rows()) * estimate;
   return out;
 }
 
@@ -93,28 +89,26 @@ std::vector<BlockId> EffectUnknowns(const FlightNetwork& network) {
 }
 
 std::vector<CompetingEffectCheck> FindCompetingEffects(
-    const FlightNetwork& network, const Marginals& marginals,
-    const std::vector<CandidateEffect>& candidates, const JointScore& score,
-    const WatchedUnknowns& watched, const std::vector<BlockId>& unknowns, double tests) {
+    const FlightNetwork& network, const Marginals& marginals, const Library& library,
+    const JointScore& score, const std::vector<BlockId>& watched,
+    const std::vector<BlockId>& unknowns, const TestFamily& family) {
   std::vector<CompetingEffectCheck> competing_effects;
-  Eigen::Index first_row = watched.sigma.size();
+  Eigen::Index first_row = family.watched_sigma.size();
   for (const BlockId unknown : unknowns) {
     const Removed removed(network, marginals, watched, unknown);
     const Eigen::Index row = first_row;
     first_row += removed.estimate().size();
-    if (removed.PValue() * tests > kFamilyLevel) continue;
+    if (family.FamilyWise(removed.PValue()) > kFamilyLevel) continue;
     const double own = removed.LogEvidence();
     std::optional<CompetingEffectCheck> farthest;
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-      if (candidates[k].name == removed.name()) continue;
-      const Replacement other =
-          ReplaceUnknown(candidates[k], score.Components(k), score, removed, row);
+    for (const Hypothesis& hypothesis : library.hypotheses) {
+      if (!hypothesis.id || hypothesis.name == removed.name()) continue;
+      const Replacement other = ReplaceUnknown(hypothesis, score, removed, row);
       if (other.log_evidence < own - kEquallyLikelyNats) continue;
-      const double max_shift_sigmas = other.move.cwiseQuotient(watched.sigma).cwiseAbs().maxCoeff();
+      const double max_shift_sigmas = family.InSigmas(other.shift);
       if (farthest && max_shift_sigmas <= farthest->max_shift_sigmas) continue;
-      farthest = {removed.name(), candidates[k].name, other.log_evidence - own,
-                  Eigen::Vector3d::Zero(), max_shift_sigmas};
-      if (watched.of_boresight) farthest->boresight_rad = other.move;
+      farthest = {removed.name(), hypothesis.name, other.log_evidence - own,
+                  family.BoresightShift(other.shift), max_shift_sigmas};
     }
     if (farthest) competing_effects.push_back(std::move(*farthest));
   }

@@ -14,6 +14,7 @@
 #include <new>
 #include <utility>
 
+#include "competing_hypotheses.h"
 #include "decision.h"
 #include "design_limits.h"
 #include "fixed_trajectory_source.h"
@@ -21,7 +22,6 @@
 #include "gap_source.h"
 #include "network_source.h"
 #include "simulated_replicates.h"
-#include "slots.h"
 #include "stopwatch.h"
 #include "tie_breaker.h"
 #include "unavailable.h"

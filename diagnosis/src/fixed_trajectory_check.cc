@@ -73,7 +73,7 @@ ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calib
                                         calibration.figures, calibration.scatter));
   if (const auto prior = CheckStatedPrior(calibration)) check.priors.push_back(*prior);
   check.effects = found.effects;
-  check.departures = found.departures;
+  check.discrepancies = found.discrepancies;
   check.groups.front().ratio_with_effects *= found.share_left;
   check.sigma0_with_effects =
       calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);

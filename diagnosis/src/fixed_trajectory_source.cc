@@ -14,7 +14,7 @@
 #include <limits>
 
 #include "decision.h"
-#include "hidden_effects.h"
+#include "detection_limits.h"
 #include "outlier_evidence.h"
 #include "shrinkage.h"
 #include "unavailable.h"

@@ -8,11 +8,11 @@
 #include <map>
 #include <utility>
 
-#include "effect_screen.h"
-#include "laser_discrepancies.h"
+#include "discrepancies.h"
+#include "evidence.h"
 #include "lidar_effects.h"
 #include "linear_pairs.h"
-#include "model_findings.h"
+#include "score_selection.h"
 #include "time_correlated_errors.h"
 
 namespace dn::internal {
@@ -43,9 +43,8 @@ struct ScaleEvidence {
 /// and errors near the stated scale with an effect.
 class ScaleSearch {
  public:
-  ScaleSearch(const TimeCorrelatedErrorModel& errors,
-              const std::vector<CandidateEffect>& candidates, double sigma0)
-      : errors_(errors), candidates_(candidates), sigma0_(std::max(1.0, sigma0)) {}
+  ScaleSearch(const TimeCorrelatedErrorModel& errors, const Library& library, double sigma0)
+      : errors_(errors), library_(library), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
     const ScaleSteps noisy{0, 0, MaxSteps(&ScaleSteps::white)};
@@ -72,13 +71,14 @@ class ScaleSearch {
     TimeCorrelatedErrorModel::ScaleSolution at = errors_.At(ToErrorScale(steps));
     ScaleEvidence evidence;
     evidence.errors_nats = at.log_likelihood + LogScalePrior(steps.position, steps.attitude);
-    double effect_nats = 0.0;
-    for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      const double nats = LogEvidence(at.score, at.score.Components(k), candidates_[k].typical);
-      effect_nats = std::max(
-          effect_nats, nats - std::log(static_cast<double>(candidates_.size()) / kFamilyLevel));
+    double effect_nats = 0.0, effects = 0.0;
+    for (const Hypothesis& hypothesis : library_.hypotheses) {
+      if (!hypothesis.id) continue;
+      effect_nats = std::max(effect_nats, LogEvidence(hypothesis, at.score));
+      effects += 1.0;
     }
-    evidence.total_nats = evidence.errors_nats + effect_nats;
+    evidence.total_nats =
+        evidence.errors_nats + std::max(0.0, effect_nats - std::log(effects / kFamilyLevel));
     evidence.score = std::move(at.score);
     return known_.emplace(steps, std::move(evidence)).first->second;
   }
@@ -108,7 +108,7 @@ class ScaleSearch {
   }
 
   const TimeCorrelatedErrorModel& errors_;
-  const std::vector<CandidateEffect>& candidates_;
+  const Library& library_;
   double sigma0_;
   ScaleSteps likeliest_;
   std::map<ScaleSteps, ScaleEvidence> known_;
@@ -122,15 +122,6 @@ Vector3d SigmaWithoutEffects(const TimeCorrelatedErrorModel& errors, const Error
   return covariance.diagonal().cwiseSqrt().cwiseMin(calibration.boresight.sigma_rad());
 }
 
-Eigen::VectorXd ExpandEstimates(const EffectScreen& screen, const JointScore& score) {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(score.s.size());
-  Eigen::Index at = 0;
-  for (const std::size_t k : screen.chosen) {
-    for (const Eigen::Index c : score.Components(k)) all[c] = screen.joint[at++];
-  }
-  return all;
-}
-
 }  // namespace
 
 Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration) {
@@ -141,26 +132,21 @@ Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration) {
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {
   const LinearPairs pairs = LinearisePairs(flight, calibration);
-  std::vector<CandidateEffect> candidates = MakeScannerEffects(flight, pairs.ends);
-  candidates.push_back(
-      MakePairCandidate(LaserByScanAngle(*flight.config.lidar, pairs.ends), pairs.ends));
+  const LidarConfig& lidar = *flight.config.lidar;
+  Library library = MakeScannerHypotheses(flight, pairs.ends);
+  const Hypothesis by_angle = LaserByScanAngle(lidar, FindScanAngleRange(lidar, pairs.ends));
+  library.Add(by_angle, MakePairColumns(by_angle, pairs.ends));
   const TimeCorrelatedErrorModel errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior,
-                                        candidates);
-  const auto tests = static_cast<double>(candidates.size());
-  const CandidateEffect by_angle = std::move(candidates.back());
-  candidates.pop_back();
-  GaussHelmertEffects out;
-  ScaleSearch search(errors, candidates, calibration.figures.sigma0);
+                                        library.blocks);
+  ScaleSearch search(errors, library, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();
-  const ScreenOptions options{tests, SigmaWithoutEffects(errors, scale, calibration), true};
-  const EffectScreen screen = ScreenEffects(candidates, search.score(), options);
-  out.effects = screen.effects;
-  const auto departure = CheckDiscrepancy(
-      by_angle, screen.beside, screen.beside.Components(candidates.size()), kNoExcess, options);
-  if (departure) out.departures.push_back(*departure);
-  if (!screen.chosen.empty()) {
-    out.share_left = errors.ResidualShare(ExpandEstimates(screen, search.score()));
-  }
+  const TestFamily family{static_cast<double>(library.hypotheses.size()),
+                          SigmaWithoutEffects(errors, scale, calibration), true};
+  const ScoreSelection selection = SelectByScores(library, search.score(), family);
+  GaussHelmertEffects out;
+  out.effects = selection.effects;
+  out.discrepancies = CheckDiscrepancies(library, selection.left, kNoExcess, family);
+  if (!selection.chosen.empty()) out.share_left = errors.ResidualShare(selection.joint);
   return out;
 }
 

@@ -10,7 +10,7 @@ namespace dn::internal {
 /// Effects and unmodelled discrepancies that the pairs of a Gauss-Helmert calibration show.
 struct GaussHelmertEffects {
   std::vector<EffectCheck> effects;
-  std::vector<DiscrepancyCheck> departures;
+  std::vector<DiscrepancyCheck> discrepancies;
   /// Share of the misclosures' sum of squares that remains if `effects` are estimated.
   double share_left = 1.0;
 };

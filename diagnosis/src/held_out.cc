@@ -31,8 +31,7 @@ std::vector<FoldDensity::Further> LikeliestFurther(const NetworkFit& fit) {
   const Library& library = fit.screen->library();
   for (const HypothesisEvidence& effect : fit.screen->Effects()) {
     if (further.size() >= kMostFurther) break;
-    const Candidate& candidate = library.candidates[effect.candidate];
-    further.push_back({CandidateModel(candidate, library), candidate.typical});
+    further.push_back({SelectColumns(effect, library), effect.typical});
   }
   return further;
 }

@@ -4,13 +4,6 @@
 
 namespace dn::internal {
 
-HypothesisEvidence MakeUnscreened(EffectId id) {
-  HypothesisEvidence effect;
-  effect.name = EffectName(id);
-  effect.id = id;
-  return effect;
-}
-
 void SortByEvidence(std::vector<HypothesisEvidence>* effects) {
   std::stable_sort(effects->begin(), effects->end(),
                    [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });

@@ -8,19 +8,13 @@
 #include <utility>
 #include <variant>
 
-namespace dn {
+namespace dn::internal {
 namespace {
 
 using Eigen::MatrixXd;
 
 /// d residual / d effect through one end of a pair.
 using EndModel = std::function<MatrixXd(const PairEnd&)>;
-
-EffectModel MakeEffectModel(const std::vector<PairEnds>& pairs, const EndModel& end) {
-  EffectModel model;
-  for (const PairEnds& pair : pairs) model.push_back({pair.factor, end(pair.i) + end(pair.j)});
-  return model;
-}
 
 MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
@@ -29,51 +23,34 @@ MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
 }
 
-EndModel MakeEndModel(const EffectAction& action) {
-  return [effect = std::get<std::shared_ptr<const LidarEffect>>(action)](const PairEnd& e) {
-    return EndDerivative(*effect, e);
-  };
-}
-
-EndModel MakeEndModel(const EstimableEffect& effect, const Flight& flight) {
-  if (effect.make == nullptr) {
-    const bool lever_arm = effect.id == EffectId::kLidarLeverArm;
-    return [lever_arm](const PairEnd& e) -> MatrixXd {
-      if (lever_arm) return e.J_r_a;
-      return e.J_r_t;
-    };
-  }
-  return MakeEndModel(effect.make({flight}));
+/// The lever arm and the time offset are blocks of every network, without an action.
+EndModel MakeEndModel(const Hypothesis& hypothesis) {
+  if (hypothesis.id == EffectId::kLidarLeverArm) return [](const PairEnd& e) { return e.J_r_a; };
+  if (hypothesis.id == EffectId::kLidarTimeOffset) return [](const PairEnd& e) { return e.J_r_t; };
+  return [effect = std::get<std::shared_ptr<const LidarEffect>>(hypothesis.action)](
+             const PairEnd& e) { return EndDerivative(*effect, e); };
 }
 
 }  // namespace
 
-CandidateEffect MakePairCandidate(const UserEffect& own, const std::vector<PairEnds>& pairs) {
-  CandidateEffect effect;
-  effect.name = own.name;
-  effect.typical = own.typical;
-  effect.model = MakeEffectModel(pairs, MakeEndModel(own.action));
-  return effect;
+EffectModel MakePairColumns(const Hypothesis& hypothesis, const std::vector<PairEnds>& pairs) {
+  const EndModel end = MakeEndModel(hypothesis);
+  EffectModel columns;
+  for (const PairEnds& pair : pairs) columns.push_back({pair.factor, end(pair.i) + end(pair.j)});
+  return columns;
 }
 
-CandidateEffect MakePairCandidate(const EstimableEffect& effect, const Flight& flight,
-                                  const std::vector<PairEnds>& pairs) {
-  CandidateEffect candidate = DescribeEffect(effect);
-  candidate.model = MakeEffectModel(pairs, MakeEndModel(effect, flight));
-  return candidate;
-}
-
-std::vector<CandidateEffect> MakeScannerEffects(const Flight& flight,
-                                                const std::vector<PairEnds>& pairs) {
-  std::vector<CandidateEffect> effects;
+Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>& pairs) {
+  Library library;
   for (const EstimableEffect& effect : EstimableEffects()) {
     const bool of_mount =
         effect.id == EffectId::kBoresightDrift || effect.id == EffectId::kBoresightStep;
     if (EffectRow(effect.id).sensor != EffectSensor::kLidar || of_mount) continue;
-    effects.push_back(MakePairCandidate(effect, flight, pairs));
-    effects.back().remedy += " with the dynamic network";
+    Hypothesis hypothesis = MakeHypothesis(effect, {flight});
+    hypothesis.remedy += " with the dynamic network";
+    library.Add(hypothesis, MakePairColumns(hypothesis, pairs));
   }
-  return effects;
+  return library;
 }
 
-}  // namespace dn
+}  // namespace dn::internal

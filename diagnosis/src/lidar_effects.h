@@ -6,9 +6,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "candidate_effects.h"
+#include "hypothesis.h"
 
-namespace dn {
+namespace dn::internal {
 
 /// Derivatives of a pair's residual at one end, from which the models of effects are composed.
 struct PairEnd {
@@ -25,15 +25,11 @@ struct PairEnds {
   PairEnd i, j;
 };
 
-/// Returns a lidar effect, of the estimator or user-defined, as a candidate with its model for
-/// these pairs.
-CandidateEffect MakePairCandidate(const EstimableEffect& effect, const Flight& flight,
-                                  const std::vector<PairEnds>& pairs);
-CandidateEffect MakePairCandidate(const UserEffect& own, const std::vector<PairEnds>& pairs);
+/// Returns the columns of a lidar effect, or of a discrepancy of laser vectors, for these pairs.
+EffectModel MakePairColumns(const Hypothesis& hypothesis, const std::vector<PairEnds>& pairs);
 
 /// Returns the effects of a scanner whose mount does not move. Their remedies name the dynamic
 /// network, because an adjustment of these pairs alone does not estimate them.
-std::vector<CandidateEffect> MakeScannerEffects(const Flight& flight,
-                                                const std::vector<PairEnds>& pairs);
+Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>& pairs);
 
-}  // namespace dn
+}  // namespace dn::internal

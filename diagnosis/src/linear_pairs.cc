@@ -10,12 +10,11 @@
 
 #include "gauss_helmert_effects.h"
 
-namespace dn {
+namespace dn::internal {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using internal::DeviationFromPrior;
 
 // Half the step of the numerical derivatives with respect to time.
 constexpr double kHalfStep_s = 5e-3;
@@ -151,4 +150,4 @@ LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& 
   return Lineariser(flight, calibration).Run();
 }
 
-}  // namespace dn
+}  // namespace dn::internal

@@ -9,7 +9,7 @@
 #include "lidar_effects.h"
 #include "time_correlated_errors.h"
 
-namespace dn {
+namespace dn::internal {
 
 /// The pairs kept by a Gauss-Helmert adjustment, linearised at its result and whitened.
 struct LinearPairs {
@@ -36,4 +36,4 @@ Eigen::Matrix3d MisclosureCovariance(const GaussHelmertPair& pair, const PairLin
 /// of `calibration` must be set.
 LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& calibration);
 
-}  // namespace dn
+}  // namespace dn::internal

@@ -14,15 +14,16 @@
 #include <string>
 #include <utility>
 
-#include "candidate_effects.h"
 #include "common_errors.h"
 #include "competing_effects.h"
-#include "effect_screen.h"
-#include "laser_discrepancies.h"
+#include "detectability.h"
+#include "discrepancies.h"
 #include "model_findings.h"
-#include "undetectable_effects.h"
+#include "network_hypotheses.h"
+#include "score_selection.h"
 
 namespace dn {
+namespace internal {
 namespace {
 
 constexpr int kWatchedNodes = 8;
@@ -30,14 +31,14 @@ constexpr int kWatchedNodes = 8;
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
 
-std::vector<UserEffect> CandidateDiscrepancies(const FlightNetwork& network) {
+std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pair_edges.empty()) return {};
-  std::vector<UserEffect> departures{LaserByScanAngle(network)};
+  std::vector<Hypothesis> discrepancies{LaserByScanAngle(network)};
   const std::vector<StripInterval> strips = FindStrips(network.flight());
   if (strips.size() > 1 && strips.size() <= kMaxJointStrips) {
-    departures.push_back(LaserByStrip(strips));
+    discrepancies.push_back(LaserByStrip(strips));
   }
-  return departures;
+  return discrepancies;
 }
 
 class Checker {
@@ -53,51 +54,39 @@ class Checker {
 
   ModelCheck Run() {
     auto sums = Beside(threads_, [&] { FormSums(); });
-    ListCandidates();
+    library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
     Watch();
-    const JointScore score = ScoreCandidates();
+    JointScore score = ScoreHypotheses();
     sums.get();
-    tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
+    family_.tests = static_cast<double>(forms_.size() + library_.hypotheses.size());
     CheckPriors();
-    FindEffects(score);
+    FindEffects(std::move(score));
     const Eigen::VectorXd left = ResidualWithEffects();
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
-    CheckDiscrepancies();
+    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
     CheckCommonErrors(left);
     check_.p_value = check_.SmallestPValue();
     return std::move(check_);
   }
 
  private:
-  double ForFamily(double p_value) const { return std::min(1.0, p_value * tests_); }
-
   /// Makes the tested sums of residuals, and their moments under the assumed model.
   void FormSums() {
     forms_ = ChannelForms(linearized_);
     num_channels_ = forms_.size();
-    std::vector<ResidualForm> common = internal::CommonErrorForms(network_, linearized_);
+    std::vector<ResidualForm> common = CommonErrorForms(network_, linearized_);
     std::move(common.begin(), common.end(), std::back_inserter(forms_));
     moments_ = ComputeFormMoments(marginals_, forms_);
-  }
-
-  void ListCandidates() {
-    candidates_ = CandidateEffects(network_, threads_, CandidateDiscrepancies(network_));
-    // Unmodelled discrepancies come last in the list.
-    const auto first = std::find_if(
-        candidates_.begin(), candidates_.end(),
-        [](const CandidateEffect& candidate) { return FindEffect(candidate.name) == nullptr; });
-    departures_.assign(std::make_move_iterator(first), std::make_move_iterator(candidates_.end()));
-    candidates_.erase(first, candidates_.end());
   }
 
   /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
   void Watch() {
     if (!network_.pair_edges.empty() && !network_.net.block(network_.boresight.id).held) {
       watched_.push_back(network_.boresight.id);
-      check_.of_boresight = true;
     } else {
+      family_.of_boresight = false;
       const std::size_t n = network_.nodes.size();
       for (int k = 1; k <= kWatchedNodes; ++k) {
         const NodeBlocks& node = network_.nodes[n * static_cast<std::size_t>(k) /
@@ -106,24 +95,21 @@ class Checker {
         watched_.push_back(node.p_mb.id);
       }
     }
+    check_.of_boresight = family_.of_boresight;
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(linearized_.parameters(),
                                                  3 * static_cast<Eigen::Index>(watched_.size()));
-    watched_sigma_.resize(unit.cols());
+    family_.watched_sigma.resize(unit.cols());
     for (std::size_t k = 0; k < watched_.size(); ++k) {
       const auto column = 3 * static_cast<Eigen::Index>(k);
       unit.block<3, 3>(linearized_.FirstColumn(watched_[k]), column).setIdentity();
-      watched_sigma_.segment<3>(column) =
+      family_.watched_sigma.segment<3>(column) =
           marginals_.DiagonalBlock(watched_[k]).diagonal().cwiseSqrt();
     }
     // The shift of the watched unknowns by a unit error of each row.
     gain_ = linearized_.Times(marginals_.Solve(unit));
   }
 
-  double InSigmas(const Eigen::VectorXd& move) const {
-    return move.cwiseQuotient(watched_sigma_).cwiseAbs().maxCoeff();
-  }
-
-  void CheckGroups(const Eigen::VectorXd& beside_effects) {
+  void CheckGroups(const Eigen::VectorXd& with_effects) {
     for (std::size_t g = 0; g < num_channels_; ++g) {
       const ChannelFit fit =
           TestChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
@@ -132,16 +118,15 @@ class Checker {
       group.observations = fit.observations;
       group.redundancy = fit.redundancy;
       group.variance_ratio = fit.variance_ratio;
-      group.ratio_with_effects =
-          forms_[g].Energy(beside_effects) / std::max(group.redundancy, 1e-12);
-      group.p_value = ForFamily(fit.p_value);
+      group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
+      group.p_value = family_.FamilyWise(fit.p_value);
       group.worst_t_s = fit.worst.row.t_s;
       group.worst_standardised = fit.worst.standardised;
       check_.groups.push_back(std::move(group));
     }
   }
 
-  void CheckCommonErrors(const Eigen::VectorXd& beside_effects) {
+  void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
     for (std::size_t c = num_channels_; c < forms_.size(); ++c) {
       const FormMoments& moments = moments_[c];
       CommonErrorCheck common;
@@ -149,20 +134,20 @@ class Checker {
       common.group = forms_[c].channel;
       const double energy = forms_[c].Energy(linearized_.residual());
       common.ratio = energy / std::max(moments.mean, 1e-300);
-      common.p_value = ForFamily(moments.UpperTail(energy));
+      common.p_value = family_.FamilyWise(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
       }
-      const double left = forms_[c].Energy(beside_effects);
-      common.explained = ForFamily(moments.UpperTail(left)) > internal::kFamilyLevel;
+      const double left = forms_[c].Energy(with_effects);
+      common.explained = family_.FamilyWise(moments.UpperTail(left)) > kFamilyLevel;
       const double variance =
           moments.variance > 0.0 ? 2.0 * (left - moments.mean) / moments.variance : 0.0;
       common.sigma = std::sqrt(std::max(0.0, variance));
       const Eigen::VectorXd move =
           forms_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
-      common.max_shift_sigmas = InSigmas(move);
-      if (common.p_value <= internal::kFamilyLevel) common.worst = WorstLabel(forms_[c]);
+      common.max_shift_sigmas = family_.InSigmas(move);
+      if (common.p_value <= kFamilyLevel) common.worst = WorstLabel(forms_[c]);
       check_.common_errors.push_back(std::move(common));
     }
   }
@@ -177,26 +162,21 @@ class Checker {
     return form.label_name[static_cast<std::size_t>(worst)];
   }
 
-  /// Returns the score of the candidates. Its shift has the watched unknowns first, then the
+  /// Returns the score of the hypotheses. Its shift has the watched unknowns first, then the
   /// estimated effects.
-  JointScore ScoreCandidates() const {
-    std::vector<const EffectModel*> models;
-    for (const CandidateEffect& candidate : candidates_) models.push_back(&candidate.model);
-    for (const CandidateEffect& departure : departures_) models.push_back(&departure.model);
+  JointScore ScoreHypotheses() const {
     std::vector<BlockId> shifted = watched_;
-    for (const BlockId unknown : internal::EffectUnknowns(network_)) shifted.push_back(unknown);
-    return ScoreEffects(marginals_, models, shifted);
+    for (const BlockId unknown : EffectUnknowns(network_)) shifted.push_back(unknown);
+    return ScoreEffects(marginals_, library_.blocks, shifted);
   }
 
   void FindEffects(JointScore score) {
-    check_.competing_effects = internal::FindCompetingEffects(
-        network_, marginals_, candidates_, score, {watched_, watched_sigma_, check_.of_boresight},
-        internal::EffectUnknowns(network_), tests_);
-    score.shift.conservativeResize(watched_sigma_.size(), Eigen::NoChange);
-    const internal::ScreenOptions options{tests_, watched_sigma_, check_.of_boresight};
-    screen_ = internal::ScreenEffects(candidates_, score, options);
-    check_.effects = screen_.effects;
-    check_.unseen = internal::FindUndetectable(candidates_, score, options);
+    check_.competing_effects = FindCompetingEffects(network_, marginals_, library_, score, watched_,
+                                                    EffectUnknowns(network_), family_);
+    score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+    selection_ = SelectByScores(library_, score, family_);
+    check_.effects = selection_.effects;
+    check_.undetectable = FindUndetectable(library_, score, family_);
     FindClocks(score);
   }
 
@@ -210,16 +190,6 @@ class Checker {
     return ratio;
   }
 
-  void CheckDiscrepancies() {
-    for (std::size_t k = 0; k < departures_.size(); ++k) {
-      if (departures_[k].model.empty()) continue;
-      const auto departure = internal::CheckDiscrepancy(
-          departures_[k], screen_.beside, screen_.beside.Components(candidates_.size() + k),
-          PairExcess(), {tests_, watched_sigma_, check_.of_boresight});
-      if (departure) check_.departures.push_back(*departure);
-    }
-  }
-
   void FindClocks(const JointScore& score) {
     if (!network_.gnss_edges.empty()) {
       check_.clocks.gnss =
@@ -231,36 +201,35 @@ class Checker {
     }
     if (!gnss_clock_) return;
     check_.clocks.gnss = gnss_clock_;
-    Eigen::VectorXd move = Eigen::VectorXd::Zero(watched_sigma_.size());
+    Eigen::VectorXd move = Eigen::VectorXd::Zero(family_.watched_sigma.size());
     const auto add = [&](EffectId effect, double change) {
-      for (const Eigen::Index c : CandidateComponents(effect, score))
+      for (const Eigen::Index c : FindComponents(effect, score))
         move += change * score.shift.col(c);
     };
     add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
     add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
-    check_.gnss_clock_shift = InSigmas(move);
+    check_.gnss_clock_shift = family_.InSigmas(move);
   }
 
-  /// Returns the components of a candidate in the score; empty if the effect is an unknown of the
-  /// network.
-  std::vector<Eigen::Index> CandidateComponents(EffectId effect, const JointScore& score) const {
-    for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (IsEffect(candidates_[k].name, effect)) return score.Components(k);
+  /// Returns the components of an effect in the score; empty if it is an unknown of the network.
+  std::vector<Eigen::Index> FindComponents(EffectId effect, const JointScore& score) const {
+    for (const Hypothesis& hypothesis : library_.hypotheses) {
+      if (hypothesis.id == effect) return hypothesis.Components(score);
     }
     return {};
   }
 
   std::optional<ClockEstimate> EstimateClock(EffectId offset, EffectId drift,
                                              const JointScore& score) const {
-    std::vector<Eigen::Index> components = CandidateComponents(offset, score);
-    const std::vector<Eigen::Index> drift_components = CandidateComponents(drift, score);
+    std::vector<Eigen::Index> components = FindComponents(offset, score);
+    const std::vector<Eigen::Index> drift_components = FindComponents(drift, score);
     components.insert(components.end(), drift_components.begin(), drift_components.end());
     ScoreTest test;
     if (!components.empty()) test = TestJointly(score, components);
     if (test.dof < static_cast<int>(components.size())) return std::nullopt;
     Eigen::Index at = 0;
     const auto take = [&](EffectId effect, double* value, double* sigma) {
-      if (!CandidateComponents(effect, score).empty()) {
+      if (!FindComponents(effect, score).empty()) {
         *value = test.estimate[at];
         *sigma = std::sqrt(test.covariance(at, at));
         ++at;
@@ -281,18 +250,15 @@ class Checker {
 
   /// Returns the residuals as they would be if the found effects were estimated.
   Eigen::VectorXd ResidualWithEffects() const {
-    if (screen_.chosen.empty()) return linearized_.residual();
+    if (selection_.chosen.empty()) return linearized_.residual();
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
-    Eigen::Index at = 0;
-    for (const std::size_t k : screen_.chosen) {
-      const Eigen::Index q = candidates_[k].typical.size();
-      for (const EffectPart& part : candidates_[k].model) {
+    for (const HypothesisEvidence& effect : selection_.chosen) {
+      for (const EffectPart& part : library_.blocks[effect.block]) {
         const auto rows = linearized_.FindRows(part.factor);
         if (!rows) continue;
         added.segment(rows->first, rows->count) +=
-            std::sqrt(rows->weight) * part.L * screen_.joint.segment(at, q);
+            std::sqrt(rows->weight) * part.L * effect.estimate;
       }
-      at += q;
     }
     return linearized_.residual() + marginals_.Project(added);
   }
@@ -306,7 +272,8 @@ class Checker {
       const Prediction prediction = PredictFactor(marginals_, rows.factor);
       if (!prediction.determined) continue;
       const double p = ChiSquareTail(prediction.statistic, rows.count);
-      check_.priors.push_back({block.name, prediction.statistic, rows.count, ForFamily(p)});
+      check_.priors.push_back(
+          {block.name, prediction.statistic, rows.count, family_.FamilyWise(p)});
     }
   }
 
@@ -318,22 +285,21 @@ class Checker {
   int threads_;
   std::vector<ResidualForm> forms_;  // forms of the channels, then of common errors
   std::size_t num_channels_ = 0;
-  std::vector<CandidateEffect> candidates_;
-  std::vector<CandidateEffect> departures_;
-  double tests_ = 1.0;
+  Library library_;
   std::vector<BlockId> watched_;
-  Eigen::VectorXd watched_sigma_;
+  TestFamily family_;
   Eigen::MatrixXd gain_;  // rows x watched coordinates
   std::vector<FormMoments> moments_;
-  internal::EffectScreen screen_;
+  ScoreSelection selection_;
   ModelCheck check_;
 };
 
 }  // namespace
+}  // namespace internal
 
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads) {
-  ModelCheck check = Checker(adjustment, marginals, trajectory, threads).Run();
+  ModelCheck check = internal::Checker(adjustment, marginals, trajectory, threads).Run();
   internal::AddFindings(adjustment, trajectory, &check);
   return check;
 }
@@ -346,7 +312,7 @@ double ModelCheck::SmallestPValue() const {
   note(groups);
   note(common_errors);
   note(effects);
-  note(departures);
+  note(discrepancies);
   note(priors);
   return smallest;
 }

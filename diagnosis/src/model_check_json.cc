@@ -3,7 +3,9 @@
 #include <dn/adjustment/words.h>
 #include <dn/rotation.h>
 
-#include <cmath>
+#include <vector>
+
+#include "json_numbers.h"
 
 namespace dn {
 namespace {
@@ -26,85 +28,82 @@ Json CommonErrorJson(const CommonErrorCheck& common) {
           {"explained", common.explained}};
 }
 
+/// Returns a shift of the boresight; null if the check has no boresight.
+Json ShiftJson(const Eigen::Vector3d& shift_rad, bool has_boresight) {
+  return has_boresight ? ToJson(shift_rad * kDegPerRad * 1e3) : Json(nullptr);
+}
+
 Json EffectJson(const EffectCheck& effect, bool has_boresight) {
   return {{"effect", effect.name},
           {"p_value", effect.p_value},
           {"estimate", ToJson(effect.estimate)},
           {"sigma", ToJson(effect.sigma)},
           {"unit", effect.unit},
-          {"boresight_damage_mdeg",
-           has_boresight ? ToJson(effect.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
+          {"boresight_damage_mdeg", ShiftJson(effect.boresight_rad, has_boresight)},
           {"damage_sigmas", effect.max_shift_sigmas},
           {"log_evidence", effect.log_evidence},
           {"inseparable_from", effect.inseparable_from}};
 }
 
-Json DepartureJson(const DiscrepancyCheck& departure) {
-  return {{"name", departure.name},
-          {"statistic", departure.statistic},
-          {"dof", departure.dof},
-          {"p_value", departure.p_value},
-          {"boresight_damage_mdeg", ToJson(departure.boresight_rad * kDegPerRad * 1e3)},
-          {"damage_sigmas", departure.max_shift_sigmas}};
+Json DiscrepancyJson(const DiscrepancyCheck& discrepancy) {
+  return {{"name", discrepancy.name},
+          {"statistic", discrepancy.statistic},
+          {"dof", discrepancy.dof},
+          {"p_value", discrepancy.p_value},
+          {"boresight_damage_mdeg", ShiftJson(discrepancy.boresight_rad, true)},
+          {"damage_sigmas", discrepancy.max_shift_sigmas}};
 }
 
-Json UnseenJson(const UndetectableEffect& unseen, bool has_boresight) {
-  const bool ever = std::isfinite(unseen.minimal_detectable);
-  return {{"effect", unseen.name},
-          {"component", unseen.component.empty() ? Json(nullptr) : Json(unseen.component)},
-          {"usual", unseen.usual},
-          {"minimal_detectable", ever ? Json(unseen.minimal_detectable) : Json(nullptr)},
-          {"unit", unseen.unit},
-          {"boresight_damage_mdeg",
-           has_boresight ? ToJson(unseen.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
-          {"damage_sigmas", unseen.max_shift_sigmas}};
+Json UndetectableJson(const UndetectableEffect& effect, bool has_boresight) {
+  return {{"effect", effect.name},
+          {"component", effect.component.empty() ? Json(nullptr) : Json(effect.component)},
+          {"usual", effect.usual},
+          {"minimal_detectable", internal::Number(effect.minimal_detectable)},
+          {"unit", effect.unit},
+          {"boresight_damage_mdeg", ShiftJson(effect.boresight_rad, has_boresight)},
+          {"damage_sigmas", effect.max_shift_sigmas}};
 }
 
-Json RivalJson(const CompetingEffectCheck& rival, bool has_boresight) {
-  return {{"unknown", rival.unknown},
-          {"rival", rival.rival},
-          {"log_evidence", rival.log_evidence},
-          {"boresight_difference_mdeg",
-           has_boresight ? ToJson(rival.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
-          {"damage_sigmas", rival.max_shift_sigmas}};
+Json CompetingEffectJson(const CompetingEffectCheck& competing, bool has_boresight) {
+  return {{"unknown", competing.unknown},
+          {"rival", competing.competing_effect},
+          {"log_evidence", competing.log_evidence},
+          {"boresight_difference_mdeg", ShiftJson(competing.boresight_rad, has_boresight)},
+          {"damage_sigmas", competing.max_shift_sigmas}};
 }
 
-template <class T, class Convert>
-Json List(const std::vector<T>& values, const Convert& convert) {
+Json PriorJson(const PriorCheck& prior) {
+  return {{"unknown", prior.unknown},
+          {"statistic", prior.statistic},
+          {"dof", prior.dof},
+          {"p_value", prior.p_value}};
+}
+
+Json FindingJson(const Finding& finding) {
+  return {{"contradicts", finding.contradicts}, {"text", Words(finding)}};
+}
+
+/// Converts each value; the options are passed on.
+template <class T, class... Options>
+Json ConvertAll(const std::vector<T>& values, Json (*convert)(const T&, Options...),
+                Options... options) {
   Json list = Json::array();
-  for (const T& value : values) list.push_back(convert(value));
+  for (const T& value : values) list.push_back(convert(value, options...));
   return list;
 }
 
 }  // namespace
 
 Json ModelCheckJson(const ModelCheck& check) {
-  return {{"groups", List(check.groups, GroupJson)},
-          {"common_errors", List(check.common_errors, CommonErrorJson)},
-          {"effects",
-           List(check.effects,
-                [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
-          {"departures", List(check.departures, DepartureJson)},
-          {"unseen", List(check.unseen,
-                          [&](const UndetectableEffect& unseen) {
-                            return UnseenJson(unseen, check.of_boresight);
-                          })},
-          {"rivals", List(check.competing_effects,
-                          [&](const CompetingEffectCheck& rival) {
-                            return RivalJson(rival, check.of_boresight);
-                          })},
-          {"priors", List(check.priors,
-                          [](const PriorCheck& prior) {
-                            return Json{{"unknown", prior.unknown},
-                                        {"statistic", prior.statistic},
-                                        {"dof", prior.dof},
-                                        {"p_value", prior.p_value}};
-                          })},
-          {"findings",
-           List(check.findings,
-                [](const Finding& finding) {
-                  return Json{{"contradicts", finding.contradicts}, {"text", Words(finding)}};
-                })},
+  const bool has_boresight = check.of_boresight;
+  return {{"groups", ConvertAll(check.groups, &GroupJson)},
+          {"common_errors", ConvertAll(check.common_errors, &CommonErrorJson)},
+          {"effects", ConvertAll(check.effects, &EffectJson, has_boresight)},
+          {"departures", ConvertAll(check.discrepancies, &DiscrepancyJson)},
+          {"unseen", ConvertAll(check.undetectable, &UndetectableJson, has_boresight)},
+          {"rivals", ConvertAll(check.competing_effects, &CompetingEffectJson, has_boresight)},
+          {"priors", ConvertAll(check.priors, &PriorJson)},
+          {"findings", ConvertAll(check.findings, &FindingJson)},
           {"p_value", check.p_value}};
 }
 

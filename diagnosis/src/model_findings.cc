@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "evidence.h"
+
 namespace dn {
 namespace internal {
 namespace {
@@ -55,16 +57,16 @@ class Findings {
   }
 
   void JudgeDiscrepancies() {
-    for (const DiscrepancyCheck& departure : check_.departures) {
-      if (departure.p_value <= kFamilyLevel)
-        Add(facts::UnmodelledDiscrepancy{departure}, true, 0.0);
+    for (const DiscrepancyCheck& discrepancy : check_.discrepancies) {
+      if (discrepancy.p_value <= kFamilyLevel)
+        Add(facts::UnmodelledDiscrepancy{discrepancy}, true, 0.0);
     }
   }
 
   void JudgeCompetingEffects() {
-    for (const CompetingEffectCheck& rival : check_.competing_effects) {
-      if (rival.max_shift_sigmas <= kMaxShiftInSigmas) continue;
-      Add(facts::UnknownAmbiguous{rival, check_.of_boresight}, false, kConclusive);
+    for (const CompetingEffectCheck& competing : check_.competing_effects) {
+      if (competing.max_shift_sigmas <= kMaxShiftInSigmas) continue;
+      Add(facts::UnknownAmbiguous{competing, check_.of_boresight}, false, kConclusive);
     }
   }
 

@@ -6,9 +6,6 @@
 
 namespace dn::internal {
 
-/// Family-wise significance level, for all tests of one flight, of a doubt about the model.
-inline constexpr double kFamilyLevel = 1e-3;
-
 /// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);

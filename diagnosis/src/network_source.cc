@@ -10,7 +10,7 @@
 
 #include "boresight_scatter.h"
 #include "decision.h"
-#include "hidden_effects.h"
+#include "detection_limits.h"
 #include "refine_times.h"
 #include "shrinkage.h"
 

@@ -31,24 +31,22 @@ struct Combinations {
   VectorXd typical;
 };
 
-Combinations Combine(const Library& library, const std::vector<HypothesisEvidence>& chosen,
-                     const JointScore& score) {
+Combinations Combine(const std::vector<HypothesisEvidence>& chosen, const JointScore& score) {
   Combinations out;
   out.T.resize(score.s.size(), 0);
   for (const HypothesisEvidence& effect : chosen) {
     if (!IsFixed(effect)) continue;
-    const Candidate& candidate = library.candidates[effect.candidate];
-    const Index n = candidate.typical.size(), before = out.T.cols();
-    const Index first = score.first[candidate.block];
+    const Index n = effect.typical.size(), before = out.T.cols();
+    const Index first = score.first[effect.block];
     out.T.conservativeResize(Eigen::NoChange, before + n);
     out.T.rightCols(n).setZero();
-    const int cell = candidate.cells ? candidate.cells->first : 0;
-    const int past = candidate.cells ? candidate.cells->past : 1;
+    const int cell = effect.cells ? effect.cells->first : 0;
+    const int past = effect.cells ? effect.cells->past : 1;
     for (int k = cell; k < past; ++k) {
       out.T.block(first + n * k, before, n, n).setIdentity();
     }
     out.typical.conservativeResize(before + n);
-    out.typical.tail(n) = candidate.typical;
+    out.typical.tail(n) = effect.typical;
   }
   return out;
 }
@@ -128,7 +126,7 @@ class PairFitter::Search {
     const auto known = heights_.find(key);
     if (known != heights_.end()) return known->second;
     const TimeCorrelatedErrorModel::ScaleSolution& at = evidence_.At(octaves, white);
-    const Combinations combined = Combine(evidence_.library_.library, chosen_, at.score);
+    const Combinations combined = Combine(chosen_, at.score);
     Height height{at.log_likelihood + LogScalePrior(octaves.position, octaves.attitude),
                   Screen(evidence_.library_.library, WithUnknowns(at.score, combined.T)),
                   {}};
@@ -205,7 +203,7 @@ class PairFitter::Search {
 
   HypothesisEvidence JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
     const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
-    HypothesisEvidence effect = MakeUnscreened(kNoise);
+    HypothesisEvidence effect{MakeHypothesis(kNoise)};
     effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
                           NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
     effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));
@@ -218,14 +216,14 @@ class PairFitter::Search {
   void EstimateChosen(const Octaves& top, PairFit* out) {
     out->chosen = chosen_;
     const JointScore& score = evidence_.At(top, white_).score;
-    const Combinations combined = Combine(evidence_.library_.library, chosen_, score);
+    const Combinations combined = Combine(chosen_, score);
     if (combined.T.cols() == 0) return;
     const ScoreTest test = TestCombinations(score, combined.T);
     const MatrixXd shift = score.shift * combined.T;
     Index first = 0;
     for (HypothesisEvidence& effect : out->chosen) {
       if (!IsFixed(effect)) continue;
-      const Index n = evidence_.library_.library.candidates[effect.candidate].typical.size();
+      const Index n = effect.typical.size();
       effect.estimate = test.estimate.segment(first, n);
       effect.sigma = test.covariance.diagonal().segment(first, n).cwiseMax(0.0).cwiseSqrt();
       effect.boresight_rad = shift.middleCols(first, n) * effect.estimate;

@@ -1,6 +1,5 @@
 #include "pair_library.h"
 
-#include <dn/effects/effect_table.h>
 #include <dn/files/scan_angle.h>
 #include <dn/files/strip_at.h>
 #include <fmt/format.h>
@@ -10,9 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "candidate_effects.h"
-#include "generic_effects.h"
-#include "laser_discrepancies.h"
+#include "discrepancies.h"
 
 namespace dn::internal {
 namespace {
@@ -32,10 +29,12 @@ class PairLibraryMaker {
         scan_angles_(FindScanAngleRange(lidar_, pairs.ends)) {}
 
   PairLibrary Run() {
-    for (CandidateEffect& effect : MakeScannerEffects(flight_, pairs_.ends))
-      AddFixed(std::move(effect));
-    AddFixed(MakePairCandidate(*FindEstimable(EffectId::kBoresightDrift), flight_, pairs_.ends));
-    AddBoresightByCell();
+    Library scanner = MakeScannerHypotheses(flight_, pairs_.ends);
+    for (std::size_t k = 0; k < scanner.hypotheses.size(); ++k) {
+      AddFixed(std::move(scanner.hypotheses[k]), std::move(scanner.blocks[k]));
+    }
+    const Hypothesis drift = MakeHypothesis(*FindEstimable(EffectId::kBoresightDrift), {flight_});
+    AddFixed(drift, MakePairColumns(drift, pairs_.ends));
     AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, scan_angles_));
     if (strips_.size() > 1 && strips_.size() <= kMaxJointStrips) {
@@ -43,65 +42,30 @@ class PairLibraryMaker {
     }
     AddStripPlaces();
     AddScanAnglePlaces();
+    std::swap(out_.blocks, out_.library.blocks);
     return std::move(out_);
   }
 
  private:
-  std::size_t AddBlock(CandidateEffect block) {
-    out_.blocks.push_back(std::move(block));
-    return out_.blocks.size() - 1;
+  void AddFixed(Hypothesis effect, EffectModel columns) {
+    if (options_.Wanted(effect.name)) out_.library.Add(std::move(effect), std::move(columns));
   }
 
-  static Candidate Describe(const CandidateEffect& effect, std::size_t block) {
-    Candidate candidate;
-    candidate.name = effect.name;
-    candidate.id = FindEffect(effect.name)->id;
-    candidate.times = effect.times;
-    candidate.block = block;
-    candidate.typical = effect.typical;
-    candidate.unit = effect.unit;
-    candidate.per_si = effect.per_si;
-    return candidate;
-  }
-
-  void AddFixed(CandidateEffect effect) {
-    if (!options_.Wanted(effect.name)) return;
-    Candidate candidate = Describe(effect, 0);
-    candidate.block = AddBlock(std::move(effect));
-    out_.library.candidates.push_back(std::move(candidate));
-  }
-
-  std::size_t AddOwn(const UserEffect& own) {
-    return AddBlock(MakePairCandidate(own, pairs_.ends));
-  }
-
-  void AddGeneric(const UserEffect& own) { AddGeneric(own, AddOwn(own)); }
-
-  void AddGeneric(const UserEffect& own, std::size_t block) {
-    out_.library.candidates.push_back(MakeDiscrepancy(own.name, block, own.typical));
-  }
-
-  void AddBoresightByCell() {
-    if (strips_.size() > kMaxJointStrips) return;
-    const TimeCells cells = BoresightCells(strips_);
-    const UserEffect own = BoresightByCell(cells);
-    const std::size_t block = AddOwn(own);
-    if (options_.Wanted(EffectId::kBoresightStep)) {
-      for (int cell = 1; cell < cells.count(); ++cell) {
-        Candidate step = Describe(DescribeEffect(*FindEstimable(EffectId::kBoresightStep)), block);
-        step.cells = CellRange{cell, cells.count()};
-        step.times.t0_s = cells.start_s[static_cast<std::size_t>(cell)];
-        out_.library.candidates.push_back(std::move(step));
-      }
-    }
-    AddGeneric(own, block);
+  void AddGeneric(const Hypothesis& discrepancy) {
+    out_.library.Add(discrepancy, MakePairColumns(discrepancy, pairs_.ends));
   }
 
   void AddBoresightShapes() {
+    if (strips_.size() <= kMaxJointStrips) {
+      const TimeCells cells = BoresightCells(strips_);
+      const Hypothesis by_cell = BoresightByCell(cells);
+      AddBoresightTimes(by_cell, MakePairColumns(by_cell, pairs_.ends), cells, options_,
+                        &out_.library);
+    }
     const std::vector<double> taus_s = SettlingTausS(strips_);
     if (taus_s.empty()) return;
-    const UserEffect settling = BoresightSettling(strips_.front().t0_s, taus_s);
-    AddSettling(settling.name, AddOwn(settling), taus_s, settling.typical, &out_.library);
+    const Hypothesis settling = BoresightSettling(strips_.front().t0_s, taus_s);
+    AddSettling(settling, MakePairColumns(settling, pairs_.ends), taus_s, &out_.library);
     if (strips_.size() < kFewestHeadings) return;
     AddGeneric(BoresightByHeading(strips_, flight_.trajectory->ToMapPoses(flight_.frame)));
   }
@@ -109,13 +73,12 @@ class PairLibraryMaker {
   /// Adds a common offset of some pairs.
   void AddPlace(const std::string& location, const std::vector<std::size_t>& members) {
     if (members.size() < kFewestPairsOfPlace) return;
-    CandidateEffect block;
-    block.name = location;
-    block.typical = Eigen::Vector3d::Constant(lidar_.sigma_p_m);
-    for (const PairEnds& pair : pairs_.ends)
-      block.model.push_back({pair.factor, Eigen::Matrix3d::Zero()});
-    for (const std::size_t k : members) block.model[k].L = pairs_.whiten[k];
-    out_.places.push_back({location, AddBlock(std::move(block))});
+    EffectModel columns;
+    for (const PairEnds& pair : pairs_.ends) {
+      columns.push_back({pair.factor, Eigen::Matrix3d::Zero()});
+    }
+    for (const std::size_t k : members) columns[k].L = pairs_.whiten[k];
+    out_.places.push_back({location, out_.library.AddBlock(std::move(columns))});
   }
 
   void AddStripPlaces() {

@@ -19,8 +19,8 @@ struct PairPlace {
 
 /// Effects and places tested with the pairs of a given trajectory.
 struct PairLibrary {
-  std::vector<CandidateEffect> blocks;  ///< effects whose joint score is computed
-  Library library;                      ///< candidates among the blocks; its own blocks are empty
+  std::vector<EffectModel> blocks;  ///< columns whose joint score is computed
+  Library library;                  ///< hypotheses about the blocks; its own blocks are empty
   std::vector<PairPlace> places;
 };
 

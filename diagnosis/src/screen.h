@@ -48,18 +48,12 @@ class Screen {
   /// Returns the evidence of a candidate as a function of its own scores.
   const SizeAveragedEvidence& form(std::size_t candidate) const { return forms_[candidate]; }
 
-  /// Tests one candidate with the scores s of all columns.
-  ScoreTest Test(std::size_t candidate, const Eigen::VectorXd& s) const;
-
  private:
   void MakeForms();
   double LogEvidence(std::size_t candidate, const Eigen::VectorXd& s) const;
   double LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const;
   HypothesisEvidence Describe(const EffectFamily& family) const;
-  void DescribeProcess(const Candidate& candidate, std::size_t index,
-                       HypothesisEvidence* effect) const;
-  void DescribeFixed(const Candidate& candidate, std::size_t index,
-                     HypothesisEvidence* effect) const;
+  void EstimateProcess(const SizeAveragedEvidence& form, HypothesisEvidence* effect) const;
 
   Library library_;
   JointScore score_;

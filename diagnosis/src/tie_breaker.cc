@@ -42,9 +42,9 @@ const GapCause* Find(const GapDiagnosis& diagnosis, const std::string& effect) {
   return at == diagnosis.causes.end() ? nullptr : &*at;
 }
 
-const Candidate* CandidateForEffect(const Screen& screen, const std::string& effect) {
+const Hypothesis* FindHypothesis(const Screen& screen, const std::string& effect) {
   for (const EffectFamily& family : screen.families()) {
-    if (family.name == effect) return &screen.library().candidates[family.first];
+    if (family.name == effect) return &screen.library().hypotheses[family.first];
   }
   return nullptr;
 }
@@ -190,15 +190,15 @@ std::vector<Tie> FindTies(const GapDiagnosis& diagnosis) {
 }
 
 double Separation(const Screen& screen, const GapCause& named, const std::string& other) {
-  const Candidate* of_named = CandidateForEffect(screen, named.effect);
-  const Candidate* of_other = CandidateForEffect(screen, other);
+  const Hypothesis* of_named = FindHypothesis(screen, named.effect);
+  const Hypothesis* of_other = FindHypothesis(screen, other);
   if (of_named == nullptr || of_other == nullptr) return std::numeric_limits<double>::infinity();
   const JointScore& score = screen.score();
   const Eigen::VectorXd size = named.estimate / of_named->per_si;
-  const double alone = size.dot(CandidateInformation(*of_named, score) * size);
-  const Eigen::VectorXd shared = CandidateInformation(*of_other, *of_named, score) * size;
-  const ScoreTest taken_up = TestScore(shared, CandidateInformation(*of_other, score),
-                                       CandidateSignature(*of_other, score));
+  const double alone = size.dot(SelectInformation(*of_named, score) * size);
+  const Eigen::VectorXd shared = SelectInformation(*of_other, *of_named, score) * size;
+  const ScoreTest taken_up =
+      TestScore(shared, SelectInformation(*of_other, score), SelectSignature(*of_other, score));
   return alone - taken_up.statistic;
 }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dn {
+namespace dn::internal {
 namespace {
 
 using Eigen::Index;
@@ -114,13 +114,13 @@ TimeCorrelatedErrorModel::TimeCorrelatedErrorModel(const std::vector<PairRows>& 
                                                    const std::vector<StripInterval>& strips,
                                                    const Eigen::Matrix<double, 6, 6>& error_sqrt,
                                                    const BoresightPrior& prior,
-                                                   const std::vector<CandidateEffect>& candidates)
+                                                   const std::vector<EffectModel>& blocks)
     : prior_(prior), rows_(3.0 * static_cast<double>(rows.size())) {
   const std::vector<StripUnknowns> unknowns = LayOut(Merged(strips));
   const Index n = unknowns.back().first + 6 * (1 + unknowns.back().nodes);
   first_.push_back(0);
-  for (const CandidateEffect& candidate : candidates) {
-    first_.push_back(first_.back() + candidate.typical.size());
+  for (const EffectModel& block : blocks) {
+    first_.push_back(first_.back() + block.front().L.cols());
   }
   const Index q = first_.back();
   H_.setZero(n, n);
@@ -131,8 +131,8 @@ TimeCorrelatedErrorModel::TimeCorrelatedErrorModel(const std::vector<PairRows>& 
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const SparseRows J = MakePairJacobian(rows[k], unknowns, error_sqrt);
     MatrixXd L(3, q);
-    for (std::size_t c = 0; c < candidates.size(); ++c) {
-      L.middleCols(first_[c], candidates[c].typical.size()) = candidates[c].model[k].L;
+    for (std::size_t c = 0; c < blocks.size(); ++c) {
+      L.middleCols(first_[c], blocks[c][k].L.cols()) = blocks[c][k].L;
     }
     for (std::size_t a = 0; a < J.J.size(); ++a) {
       const Index size = a == 0 ? 3 : 6;
@@ -210,4 +210,4 @@ double TimeCorrelatedErrorModel::ResidualShare(const VectorXd& effects) const {
   return std::max(0.0, after) / std::max(before, std::numeric_limits<double>::min());
 }
 
-}  // namespace dn
+}  // namespace dn::internal

@@ -6,9 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "candidate_effects.h"
-
-namespace dn {
+namespace dn::internal {
 
 /// Linearised, whitened misclosure of a pair:
 ///
@@ -47,19 +45,18 @@ inline double LogScalePrior(int position_octaves, int attitude_octaves) {
 /// Each of the two has half the stated variance. The errors of different strips are independent.
 class TimeCorrelatedErrorModel {
  public:
-  /// Each candidate's model has one part per row, in the order of `rows`. `strips` must not be
-  /// empty. `error_sqrt` is a square root of the stated covariance of an error, position first.
+  /// Each block has one part per row, in the order of `rows`. `strips` must not be empty.
+  /// `error_sqrt` is a square root of the stated covariance of an error, position first.
   TimeCorrelatedErrorModel(const std::vector<PairRows>& rows,
                            const std::vector<StripInterval>& strips,
                            const Eigen::Matrix<double, 6, 6>& error_sqrt,
-                           const BoresightPrior& prior,
-                           const std::vector<CandidateEffect>& candidates);
+                           const BoresightPrior& prior, const std::vector<EffectModel>& blocks);
 
   /// Likelihood and scores for one scale of the errors.
   struct ScaleSolution {
     double log_likelihood = 0.0;  ///< without effects, up to a constant
     double chi2 = 0.0;            ///< weighted sum of squares at the solution, without effects
-    /// Score of the candidates. Its shift is that of the Gauss-Helmert adjustment, which takes the
+    /// Score of the blocks. Its shift is that of the Gauss-Helmert adjustment, which takes the
     /// trajectory as given.
     JointScore score;
   };
@@ -88,4 +85,4 @@ class TimeCorrelatedErrorModel {
   std::vector<Eigen::Index> first_;
 };
 
-}  // namespace dn
+}  // namespace dn::internal

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <set>
 
-#include "candidate_effects.h"
+#include "network_hypotheses.h"
 #include "testing/short_flights.h"
 
 namespace dn::calibrate_test {
@@ -45,18 +45,20 @@ SimulatedFlight FlyWith(const EffectCase& effect) {
 }
 
 /// A constant offset of the GNSS positions in a time window.
-CandidateEffect StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
+internal::Library StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
   constexpr std::size_t kPositionBlock = 1;
-  CandidateEffect step = DescribeEffect(*FindEstimable("gnss_position_step"));
+  EffectModel columns;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     const MapGnssEpoch& epoch = network.flight().gnss->epochs[edge.epoch];
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
     if (!times.During(epoch.t_s) || !network.net.EvaluateFactor(edge.position, &r, &J)) continue;
     const Eigen::Matrix3d R_m_enu = epoch.R_m_enu;
-    step.model.push_back({edge.position, Eigen::MatrixXd(J[kPositionBlock] * R_m_enu)});
+    columns.push_back({edge.position, Eigen::MatrixXd(J[kPositionBlock] * R_m_enu)});
   }
-  return step;
+  internal::Library library;
+  library.Add(internal::MakeHypothesis(EffectId::kGnssPositionStep), std::move(columns));
+  return library;
 }
 
 /// Estimate of the effect, and its predicted shift of the boresight, from the fit without the
@@ -70,19 +72,18 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
   const FlightNetwork& network = *without.adjustment.network;
   Foretold best;
   double most = -1.0;
-  std::vector<CandidateEffect> candidates = CandidateEffects(network);
   // The model check does not search for the window of a step, so the test states it.
-  if (effect.unknown == "gnss_position_step") {
-    candidates = {StepInWindow(network, effect.times)};
-  }
-  for (const CandidateEffect& candidate : candidates) {
-    if (candidate.name != effect.unknown) continue;
+  const internal::Library library = effect.unknown == "gnss_position_step"
+                                        ? StepInWindow(network, effect.times)
+                                        : internal::MakeNetworkHypotheses(network);
+  for (const internal::Hypothesis& hypothesis : library.hypotheses) {
+    if (hypothesis.name != effect.unknown) continue;
     const JointScore score =
-        ScoreEffects(without.marginals, {candidate.model}, {network.boresight.id});
+        ScoreEffects(without.marginals, {library.blocks[hypothesis.block]}, {network.boresight.id});
     const ScoreTest test = TestJointly(score, score.Components(0));
     if (test.statistic <= most) continue;
     most = test.statistic;
-    best.estimate = candidate.per_si * test.estimate;
+    best.estimate = hypothesis.per_si * test.estimate;
     best.boresight_rad = score.shift * test.estimate;
   }
   return best;

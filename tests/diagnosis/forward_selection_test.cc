@@ -11,9 +11,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "competing_hypotheses.h"
 #include "network_fit.h"
 #include "network_source.h"
-#include "slots.h"
 #include "testing/short_flights.h"
 
 namespace dn::internal::forward_selection_test {

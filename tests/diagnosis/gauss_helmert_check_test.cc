@@ -129,9 +129,9 @@ INSTANTIATE_TEST_SUITE_P(Stated, OfASmoother,
 
 TEST(GaussHelmertCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const CheckedCalibration gh(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
-  ASSERT_EQ(gh.model_check.departures.size(), 1U);
-  EXPECT_EQ(gh.model_check.departures.front().name, "laser vectors by scan angle");
-  EXPECT_LT(gh.model_check.departures.front().p_value, 1e-4);
+  ASSERT_EQ(gh.model_check.discrepancies.size(), 1U);
+  EXPECT_EQ(gh.model_check.discrepancies.front().name, "laser vectors by scan angle");
+  EXPECT_LT(gh.model_check.discrepancies.front().p_value, 1e-4);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kContradicted) << Words(gh);
   EXPECT_THAT(Words(gh), HasSubstr("a discrepancy that no known effect explains"));
 }

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "candidate_effects.h"
+#include "network_hypotheses.h"
 #include "testing/short_flights.h"
 #include "testing/torsion.h"
 
@@ -84,8 +84,8 @@ TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
 // predicted, and the verdict does not change.
 TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
   const Checked without(Fly(AircraftScenario(), 3));
-  ASSERT_FALSE(without.check.unseen.empty());
-  const UndetectableEffect& worst = without.check.unseen.front();
+  ASSERT_FALSE(without.check.undetectable.empty());
+  const UndetectableEffect& worst = without.check.undetectable.front();
   EXPECT_GT(worst.max_shift_sigmas, 1.0);
   EXPECT_GT(worst.minimal_detectable, worst.usual);
   const EffectSpec& spec = *FindEffect(worst.name);
@@ -104,15 +104,17 @@ TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
 
 TEST(ModelCheck, UndetectableEffectsDoNotDependOnTheData) {
   const Checked one(Fly(AircraftScenario(), 3));
-  for (std::size_t k = 1; k < one.check.unseen.size(); ++k) {
-    EXPECT_GE(one.check.unseen[k - 1].max_shift_sigmas, one.check.unseen[k].max_shift_sigmas);
-    EXPECT_NE(one.check.unseen[k - 1].name, one.check.unseen[k].name);
+  for (std::size_t k = 1; k < one.check.undetectable.size(); ++k) {
+    EXPECT_GE(one.check.undetectable[k - 1].max_shift_sigmas,
+              one.check.undetectable[k].max_shift_sigmas);
+    EXPECT_NE(one.check.undetectable[k - 1].name, one.check.undetectable[k].name);
   }
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
-  simulated.flight.config.estimate.push_back({.unknown = one.check.unseen[0].name});
+  simulated.flight.config.estimate.push_back({.unknown = one.check.undetectable[0].name});
   const Checked estimated(std::move(simulated));
-  for (const UndetectableEffect& unseen : estimated.check.unseen) {
-    EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an estimated unknown is detectable";
+  for (const UndetectableEffect& undetectable : estimated.check.undetectable) {
+    EXPECT_NE(undetectable.name, one.check.undetectable[0].name)
+        << "an estimated unknown is detectable";
   }
 }
 
@@ -156,12 +158,15 @@ Scenario InjectionScenario(const Injection& injection, const std::string& extra)
 /// Returns the estimate of one effect alone.
 Eigen::VectorXd EstimateEffect(const std::string& name, const Checked& flight) {
   const FlightNetwork& network = *flight.calibration.adjustment.network;
-  for (const CandidateEffect& candidate : CandidateEffects(network)) {
-    if (candidate.name != name) continue;
-    return candidate.per_si *
-           TestEffects(flight.calibration.marginals, {candidate.model}).front().estimate;
+  const internal::Library library = internal::MakeNetworkHypotheses(network);
+  for (const internal::Hypothesis& hypothesis : library.hypotheses) {
+    if (hypothesis.name != name) continue;
+    return hypothesis.per_si *
+           TestEffects(flight.calibration.marginals, {library.blocks[hypothesis.block]})
+               .front()
+               .estimate;
   }
-  ADD_FAILURE() << "no candidate " << name;
+  ADD_FAILURE() << "no hypothesis " << name;
   return {};
 }
 
@@ -233,13 +238,13 @@ TEST(ModelCheck, AnUnknownWithACompetingEffectIsNotObservable) {
       CheckedWithUnknown(turned, {.unknown = "accel_misalignment", .sigma = {3.0}});
   EXPECT_EQ(by_gyro.boresight().verdict, Verdict::kNotObservable);
   ASSERT_EQ(by_gyro.check.competing_effects.size(), 1u);
-  const CompetingEffectCheck& rival = by_gyro.check.competing_effects.front();
-  EXPECT_EQ(rival.unknown, "gyro_misalignment");
-  EXPECT_EQ(rival.rival, "accel_misalignment");
+  const CompetingEffectCheck& competing = by_gyro.check.competing_effects.front();
+  EXPECT_EQ(competing.unknown, "gyro_misalignment");
+  EXPECT_EQ(competing.competing_effect, "accel_misalignment");
   const Eigen::Vector3d moved = Log(Eigen::Quaterniond(
       Exp(by_accel.boresight().angles_rad) * Exp(by_gyro.boresight().angles_rad).conjugate()));
   EXPECT_GT(moved.norm(), 0.02 * kRadPerDeg);
-  EXPECT_LT((rival.boresight_rad - moved).norm(), 0.05 * moved.norm()) << moved.transpose();
+  EXPECT_LT((competing.boresight_rad - moved).norm(), 0.05 * moved.norm()) << moved.transpose();
   EXPECT_EQ(Words(by_gyro.boresight().reasons).front(), by_gyro.first_reason());
   EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment instead of"));
 }
@@ -296,10 +301,10 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
 TEST(ModelCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const Checked without(Fly(AircraftScenario(), 3));
   const Checked with(testing::FlyWithTorsion(AircraftScenario(), 0.02));
-  const DiscrepancyCheck& by_angle = with.check.departures.front();
+  const DiscrepancyCheck& by_angle = with.check.discrepancies.front();
   EXPECT_EQ(by_angle.name, "laser vectors by scan angle");
   EXPECT_LT(by_angle.p_value, 1e-4);
-  EXPECT_GT(without.check.departures.front().p_value, 0.1);
+  EXPECT_GT(without.check.discrepancies.front().p_value, 0.1);
   const Finding* unnamed = nullptr;
   for (const Finding& finding : with.check.findings) {
     if (finding.As<facts::UnmodelledDiscrepancy>() != nullptr) unnamed = &finding;
@@ -314,8 +319,8 @@ TEST(ModelCheck, AFoundEffectLeavesNoDiscrepancy) {
       Fly(AircraftScenario("effects: [{effect: lidar_angle_scale, value: 1500}]\n"), 3));
   ASSERT_FALSE(flight.check.effects.empty());
   EXPECT_EQ(flight.check.effects.front().name, "lidar_angle_scale");
-  for (const DiscrepancyCheck& departure : flight.check.departures) {
-    EXPECT_GT(departure.p_value, 0.01) << departure.name;
+  for (const DiscrepancyCheck& discrepancy : flight.check.discrepancies) {
+    EXPECT_GT(discrepancy.p_value, 0.01) << discrepancy.name;
   }
 }
 
@@ -323,8 +328,8 @@ TEST(ModelCheck, NoiseOfThePairsIsNotADiscrepancy) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->sigma_p_m *= 0.5;
   const Checked flight(std::move(simulated));
-  for (const DiscrepancyCheck& departure : flight.check.departures) {
-    EXPECT_GT(departure.p_value, 0.01) << departure.name;
+  for (const DiscrepancyCheck& discrepancy : flight.check.discrepancies) {
+    EXPECT_GT(discrepancy.p_value, 0.01) << discrepancy.name;
   }
 }
 

@@ -19,8 +19,8 @@ struct ModelCheck {
   std::vector<CommonErrorCheck> common_errors;
   std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
   /// Unmodelled discrepancies, tested jointly with `effects`.
-  std::vector<DiscrepancyCheck> departures;
-  std::vector<UndetectableEffect> unseen;  ///< undetectable effects, largest shift first
+  std::vector<DiscrepancyCheck> discrepancies;
+  std::vector<UndetectableEffect> undetectable;         ///< largest shift first
   std::vector<CompetingEffectCheck> competing_effects;  ///< competing effects of estimated unknowns
   std::vector<PriorCheck> priors;
   /// Clock errors. They are from the GNSS screening if it found the clock off, else from the
@@ -41,17 +41,17 @@ struct ModelCheck {
 ///   groups         r^T r of a group is a quadratic form of the errors with the mean tr(M_gg) (the
 ///                  sum of redundancy numbers) and the variance 2 tr(M_gg^2).
 ///   common errors  the same for sums of residuals over time windows and over strip pairs.
-///   effects        forward selection by score tests of CandidateEffects: the likeliest becomes an
-///                  unknown, and the others are tested again. The evidence is the likelihood ratio,
+///   effects        forward selection by score tests of all effects that are not estimated: the
+///                  likeliest becomes an unknown, and the others are tested again. The evidence is the likelihood ratio,
 ///                  averaged over sizes around the typical one. Each effect has the shift of the
 ///                  boresight that its estimate predicts.
-///   departures     score tests of laser vectors that differ by scan angle or by strip, after the
+///   discrepancies  score tests of laser vectors that differ by scan angle or by strip, after the
 ///                  found effects are estimated: significant ones are unmodelled discrepancies.
-///   unseen         undetectable effects: the typical size is below the minimal detectable bias,
-///                  but shifts a watched unknown by more than its sigma. They depend on the
-///                  geometry only, not on the measured values.
-///   rivals         score tests with a candidate instead of an estimated unknown: a competing
-///                  effect, and the boresight that it would give.
+///   undetectable   effects whose typical size is below the minimal detectable bias, but shifts a
+///                  watched unknown by more than its sigma. They depend on the geometry only, not
+///                  on the measured values.
+///   competing      score tests with another effect instead of an estimated unknown, and the
+///                  boresight that it would give.
 ///   priors         predicted residual of each stated prior (PredictFactor).
 ///   others         shares of rejected pairs and GNSS epochs, size of the boresight, sigma0.
 ///

@@ -1,4 +1,4 @@
-#include "hidden_effects.h"
+#include "detection_limits.h"
 
 #include <dn/effects/effect_table.h>
 #include <dn/sim/random.h>
@@ -10,6 +10,7 @@
 #include <string>
 
 #include "detectability.h"
+#include "evidence.h"
 #include "semidefinite_root.h"
 
 namespace dn::internal {
@@ -22,8 +23,8 @@ constexpr int kFlights = 40;
 // Candidates that mimic less of an effect than this are never named in its place.
 constexpr double kMimics = 0.2;
 
-/// A candidate that competes with the effect for its name.
-struct Rival {
+/// A hypothesis that competes with the effect for its name.
+struct Competitor {
   std::size_t candidate = 0;
   std::string name;
 };
@@ -32,12 +33,13 @@ struct Rival {
 class Mimicry {
  public:
   explicit Mimicry(const Screen& screen)
-      : screen_(screen), inverse_(screen.library().candidates.size()) {}
+      : screen_(screen), inverse_(screen.library().hypotheses.size()) {}
 
   /// Returns c^T A^+ c of a candidate, where c is its cross information with the effect.
   double Absorbed(std::size_t candidate, const Eigen::VectorXd& c) {
     Eigen::MatrixXd& inverse = inverse_[candidate];
-    if (inverse.size() == 0) inverse = screen_.Test(candidate, screen_.score().s).covariance;
+    if (inverse.size() == 0)
+      inverse = TestHypothesis(screen_.library().hypotheses[candidate], screen_.score()).covariance;
     return c.dot(inverse * c);
   }
 
@@ -55,22 +57,22 @@ class NamingTrials {
         mimicry_(*mimicry),
         direction_(direction),
         threshold_nats_(threshold_nats) {
-    rivals_.push_back({truth, screen.library().candidates[truth].name});
-    FindCompetingEffects();
+    competitors_.push_back({truth, screen.library().hypotheses[truth].name});
+    FindCompetitors();
     Factor();
   }
 
   /// Returns the fraction of flights in which an effect of this size is named. Counts in `instead`
   /// the other names that are given.
   double Named(double size, std::uint64_t seed, std::map<std::string, int>* instead) const {
-    Random random(seed, "limits/" + rivals_[0].name);
+    Random random(seed, "limits/" + competitors_[0].name);
     const Eigen::VectorXd mean = size * cross_ * direction_;
     int named = 0;
     for (int flight = 0; flight < kFlights; ++flight) {
       Eigen::VectorXd noise(root_.cols());
       for (Eigen::Index k = 0; k < noise.size(); ++k) noise[k] = random.Normal();
       const std::string name = Best(mean + root_ * noise);
-      if (name == rivals_[0].name) {
+      if (name == competitors_[0].name) {
         ++named;
       } else if (!name.empty()) {
         ++(*instead)[name];
@@ -80,30 +82,30 @@ class NamingTrials {
   }
 
  private:
-  const Candidate& FindCandidate(const Rival& rival) const {
-    return screen_.library().candidates[rival.candidate];
+  const Hypothesis& FindHypothesis(const Competitor& competitor) const {
+    return screen_.library().hypotheses[competitor.candidate];
   }
 
   /// Finds the candidate of every other family that mimics the effect best.
-  void FindCompetingEffects() {
-    const Candidate& truth = FindCandidate(rivals_[0]);
-    const Eigen::MatrixXd A = CandidateInformation(truth, screen_.score());
+  void FindCompetitors() {
+    const Hypothesis& truth = FindHypothesis(competitors_[0]);
+    const Eigen::MatrixXd A = SelectInformation(truth, screen_.score());
     const double lambda = direction_.dot(A * direction_);
     for (const EffectFamily& family : screen_.families()) {
-      if (family.name == rivals_[0].name) continue;
+      if (family.name == competitors_[0].name) continue;
       double most = 0.0;
       std::size_t best = family.first;
       const std::size_t stride = std::max<std::size_t>(1, (family.past - family.first) / 40);
       for (std::size_t k = family.first; k < family.past; k += stride) {
-        const Candidate& other = screen_.library().candidates[k];
-        const Eigen::VectorXd c = CandidateInformation(other, truth, screen_.score()) * direction_;
+        const Hypothesis& other = screen_.library().hypotheses[k];
+        const Eigen::VectorXd c = SelectInformation(other, truth, screen_.score()) * direction_;
         const double mimicked = mimicry_.Absorbed(k, c) / std::max(lambda, 1e-300);
         if (mimicked > most) {
           most = mimicked;
           best = k;
         }
       }
-      if (most > kMimics) rivals_.push_back({best, family.name});
+      if (most > kMimics) competitors_.push_back({best, family.name});
     }
   }
 
@@ -111,20 +113,20 @@ class NamingTrials {
   /// effect.
   void Factor() {
     Eigen::Index n = 0;
-    for (const Rival& rival : rivals_) {
+    for (const Competitor& competitor : competitors_) {
       first_.push_back(n);
-      n += CandidateInformation(FindCandidate(rival), screen_.score()).rows();
+      n += SelectInformation(FindHypothesis(competitor), screen_.score()).rows();
     }
     first_.push_back(n);
     Eigen::MatrixXd joint(n, n);
     Eigen::VectorXd signature(n);
-    for (std::size_t a = 0; a < rivals_.size(); ++a) {
+    for (std::size_t a = 0; a < competitors_.size(); ++a) {
       signature.segment(first_[a], first_[a + 1] - first_[a]) =
-          CandidateSignature(FindCandidate(rivals_[a]), screen_.score());
-      for (std::size_t b = 0; b < rivals_.size(); ++b) {
+          SelectSignature(FindHypothesis(competitors_[a]), screen_.score());
+      for (std::size_t b = 0; b < competitors_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
-            CandidateInformation(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]),
-                                 screen_.score());
+            SelectInformation(FindHypothesis(competitors_[a]), FindHypothesis(competitors_[b]),
+                              screen_.score());
       }
     }
     // An effect that is present enters the residuals with a negative sign: the score decreases.
@@ -135,12 +137,12 @@ class NamingTrials {
   std::string Best(const Eigen::VectorXd& s) const {
     std::string best;
     double most = threshold_nats_;
-    for (std::size_t k = 0; k < rivals_.size(); ++k) {
-      const double evidence = screen_.form(rivals_[k].candidate)
+    for (std::size_t k = 0; k < competitors_.size(); ++k) {
+      const double evidence = screen_.form(competitors_[k].candidate)
                                   .LogEvidence(s.segment(first_[k], first_[k + 1] - first_[k]));
       if (evidence <= most) continue;
       most = evidence;
-      best = rivals_[k].name;
+      best = competitors_[k].name;
     }
     return best;
   }
@@ -149,50 +151,42 @@ class NamingTrials {
   Mimicry& mimicry_;
   Eigen::VectorXd direction_;
   double threshold_nats_;
-  std::vector<Rival> rivals_;
+  std::vector<Competitor> competitors_;
   std::vector<Eigen::Index> first_;
   Eigen::MatrixXd cross_, root_;
 };
 
-/// Returns the minimal detectable bias of each component alone, SI.
-Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
-  Eigen::VectorXd sizes(A.rows());
-  for (Eigen::Index k = 0; k < A.rows(); ++k) {
-    sizes[k] = MinimalDetectableBias(A(k, k), signature[k]);
-  }
-  return sizes;
-}
-
 /// Returns the best-determined direction of the components scaled by their typical sizes, SI.
-Eigen::VectorXd BestDirection(const Candidate& candidate, const Eigen::MatrixXd& A) {
-  const SymmetricEigen eigen(candidate.typical.asDiagonal() * A * candidate.typical.asDiagonal());
+Eigen::VectorXd BestDirection(const Hypothesis& hypothesis, const Eigen::MatrixXd& A) {
+  const SymmetricEigen eigen(hypothesis.typical.asDiagonal() * A * hypothesis.typical.asDiagonal());
   const Eigen::VectorXd best = eigen.vectors.col(eigen.vectors.cols() - 1);
-  return candidate.typical.cwiseProduct(best);
+  return hypothesis.typical.cwiseProduct(best);
 }
 
-DetectionLimit Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
-                      double threshold_nats, std::uint64_t seed) {
+DetectionLimit ComputeLimits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
+                             double threshold_nats, std::uint64_t seed) {
   const std::size_t middle = family.first + (family.past - family.first) / 2;
-  const Candidate& candidate = screen.library().candidates[middle];
-  const Eigen::MatrixXd A = CandidateInformation(candidate, screen.score());
-  const Eigen::VectorXd direction = BestDirection(candidate, A);
+  const Hypothesis& hypothesis = screen.library().hypotheses[middle];
+  const Eigen::MatrixXd A = SelectInformation(hypothesis, screen.score());
+  const Eigen::VectorXd direction = BestDirection(hypothesis, A);
   const double lambda = direction.dot(A * direction);
-  const Eigen::VectorXd of_components = CandidateSignature(candidate, screen.score());
+  const Eigen::VectorXd of_components = SelectSignature(hypothesis, screen.score());
   const double signature = of_components.dot(direction.cwiseAbs2());
-  DetectionLimit hidden;
-  hidden.effect = candidate.name;
-  hidden.unit = candidate.unit;
+  DetectionLimit limit;
+  limit.effect = hypothesis.name;
+  limit.unit = hypothesis.unit;
   // The size of an effect is that of its largest component.
-  const double unit = candidate.per_si * direction.cwiseAbs().maxCoeff();
-  hidden.detectable_by_component = candidate.per_si * DetectableAlone(A, of_components);
+  const double unit = hypothesis.per_si * direction.cwiseAbs().maxCoeff();
+  limit.detectable_by_component =
+      hypothesis.per_si * MinimalDetectableBiases(hypothesis, screen.score());
   const double detectable = MinimalDetectableBias(lambda, signature);
-  hidden.minimal_detectable = detectable * unit;
+  limit.minimal_detectable = detectable * unit;
   if (std::isfinite(detectable) && screen.score().shift.rows() == 3) {
-    hidden.boresight_shift_rad = detectable * CandidateShift(candidate, screen.score()) * direction;
+    limit.boresight_shift_rad = detectable * SelectShift(hypothesis, screen.score()) * direction;
   }
   const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
   std::map<std::string, int> instead;
-  const double start = std::clamp(hidden.minimal_detectable / unit, 1.0 / kLargest, kLargest);
+  const double start = std::clamp(limit.minimal_detectable / unit, 1.0 / kLargest, kLargest);
   double below = 0.0;  // fraction named at the previous size
   for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {
     instead.clear();
@@ -200,34 +194,34 @@ DetectionLimit Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily
     if (named >= kNamed) {
       const bool first = size == 0.5 * start;
       const double back = first ? 0.0 : (named - kNamed) / (named - below);
-      hidden.minimal_identifiable = size * std::pow(kStep, -back) * unit;
+      limit.minimal_identifiable = size * std::pow(kStep, -back) * unit;
       break;
     }
     below = named;
   }
   for (const auto& [name, times] : instead) {
     if (times >= kFlights / 10 && FindEffect(name) != nullptr) {
-      hidden.inseparable_from.push_back(name);
+      limit.inseparable_from.push_back(name);
     }
   }
-  return hidden;
+  return limit;
 }
 
 }  // namespace
 
 std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double threshold_nats,
                                                    std::uint64_t seed) {
-  std::vector<DetectionLimit> hidden;
+  std::vector<DetectionLimit> limits;
   Mimicry mimicry(screen);
   for (const EffectFamily& family : screen.families()) {
-    const bool process = screen.library().candidates[family.first].tau_s.has_value();
+    const bool process = screen.library().hypotheses[family.first].tau_s.has_value();
     if (!family.id || process) continue;
-    hidden.push_back(Limits(screen, &mimicry, family, threshold_nats, seed));
+    limits.push_back(ComputeLimits(screen, &mimicry, family, threshold_nats, seed));
   }
-  std::stable_sort(hidden.begin(), hidden.end(), [](const auto& a, const auto& b) {
+  std::stable_sort(limits.begin(), limits.end(), [](const auto& a, const auto& b) {
     return a.boresight_shift_rad.norm() > b.boresight_shift_rad.norm();
   });
-  return hidden;
+  return limits;
 }
 
 }  // namespace dn::internal

@@ -13,37 +13,38 @@ namespace dn::internal {
 struct CompetingHypotheses {
   std::string effect;  ///< empty: there is no cause
   /// Effects of the screen without the cause; the cause is one of them.
-  std::vector<ScreenedEffect> competing_effects;
+  std::vector<HypothesisEvidence> competing_effects;
   std::vector<double> posterior;          ///< one per competing effect
   std::vector<std::string> credible_set;  ///< 95 %, effects of the table
   double discrepancy_posterior = 0.0;     ///< total of the unmodelled discrepancies
 };
 
 /// Makes the competing hypotheses of a cause, which is one of `competing_effects`.
-CompetingHypotheses MakeCompetingHypotheses(const std::string& effect,
-                                            const std::vector<ScreenedEffect>& competing_effects);
+CompetingHypotheses MakeCompetingHypotheses(
+    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects);
 
 /// Returns the posterior probability of each effect; the rest belongs to "no effect". See
 /// docs/guides/gap.md.
-std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
+std::vector<double> Posterior(const std::vector<HypothesisEvidence>& effects);
 
 /// Returns the effect with this name; null if it is not in the list.
-const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name);
+const HypothesisEvidence* Find(const std::vector<HypothesisEvidence>& effects,
+                               const std::string& name);
 /// Returns the evidence of the effect with this name; minus infinity if it is not in the list.
-double FindEvidence(const std::vector<ScreenedEffect>& effects, const std::string& name);
+double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name);
 /// Returns the most probable unmodelled discrepancy; null if there are none.
-const ScreenedEffect* BestDiscrepancy(const std::vector<ScreenedEffect>& effects);
+const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects);
 /// Returns the largest evidence of an unmodelled discrepancy, at least 0.
-double DiscrepancyEvidence(const std::vector<ScreenedEffect>& effects);
+double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects);
 /// Returns the most probable effect of the table, from effects sorted by evidence; null if there
 /// are none.
-const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
+const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects);
 
 /// Adds the causes and discrepancies to a diagnosis: every effect of a screen, with its probability
 /// over all sets of competing hypotheses. The causes `named` come first, with the probability and
 /// the alternatives of their own set.
-void FillCauses(const std::vector<ScreenedEffect>& screened,
-                const std::vector<CompetingHypotheses>& slots, const std::vector<GapCause>& named,
+void FillCauses(const std::vector<HypothesisEvidence>& screened,
+                const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis);
 
 /// Scales the probabilities of causes to the observed rate of correct names. Physics outside the
@@ -62,6 +63,6 @@ struct Decision {
 /// an unmodelled discrepancy is more probable than all names together and fits the data as well as
 /// they do.
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
-                  const std::vector<CompetingHypotheses>& slots);
+                  const std::vector<CompetingHypotheses>& sets);
 
 }  // namespace dn::internal

@@ -1,18 +1,18 @@
-#include "slots.h"
+#include "competing_hypotheses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace dn::internal::slots_test {
+namespace dn::internal::competing_hypotheses_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-ScreenedEffect WithEvidence(const std::string& name, double nats, bool physical = true) {
-  ScreenedEffect effect;
+HypothesisEvidence WithEvidence(const std::string& name, double nats, bool physical = true) {
+  HypothesisEvidence effect;
   effect.name = name;
   if (physical) effect.id = EffectId::kGnssLeverArm;
   effect.log_evidence = nats;
@@ -48,9 +48,9 @@ TEST(Posterior, OfHugeEvidenceIsOne) {
 }
 
 TEST(FillCauses, PutsTheNamedFirstAndWhatHasNoNameApart) {
-  const std::vector<ScreenedEffect> screened{WithEvidence("b", 30.0), WithEvidence("a", 29.0),
-                                             WithEvidence("strips", 20.0, false),
-                                             WithEvidence("c", 0.0)};
+  const std::vector<HypothesisEvidence> screened{WithEvidence("b", 30.0), WithEvidence("a", 29.0),
+                                                 WithEvidence("strips", 20.0, false),
+                                                 WithEvidence("c", 0.0)};
   const std::vector<CompetingHypotheses> slots{MakeCompetingHypotheses(
       "a", {WithEvidence("a", 25.0), WithEvidence("d", 24.5), WithEvidence("c", 0.0)})};
   GapDiagnosis diagnosis;
@@ -64,7 +64,7 @@ TEST(FillCauses, PutsTheNamedFirstAndWhatHasNoNameApart) {
 }
 
 TEST(FillCauses, AddsTheProbabilitiesOfAllSlots) {
-  const std::vector<ScreenedEffect> screened{WithEvidence("a", 9.0), WithEvidence("b", 9.0)};
+  const std::vector<HypothesisEvidence> screened{WithEvidence("a", 9.0), WithEvidence("b", 9.0)};
   const std::vector<CompetingHypotheses> slots{MakeCompetingHypotheses("x", screened),
                                                MakeCompetingHypotheses("y", screened)};
   GapDiagnosis diagnosis;
@@ -130,7 +130,7 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsBetter) {
 }
 
 TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
-  ScreenedEffect strips = WithEvidence("strips", 33.0);
+  HypothesisEvidence strips = WithEvidence("strips", 33.0);
   strips.id.reset();
   const std::vector<CompetingHypotheses> doubtful{
       MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), strips})};
@@ -154,7 +154,7 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
 // An effect of many times its typical size has less evidence than a discrepancy of typical size,
 // but fits better.
 TEST_F(Decided, KeepsANameThatFitsBetterThanADiscrepancy) {
-  ScreenedEffect drift = WithEvidence("a", 30.0), heading = WithEvidence("heading", 33.0);
+  HypothesisEvidence drift = WithEvidence("a", 30.0), heading = WithEvidence("heading", 33.0);
   heading.id.reset();
   heading.statistic = 90.0;
   drift.statistic = 100.0;
@@ -173,4 +173,4 @@ TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
   EXPECT_THAT(verdict.credible_set, IsEmpty());
 }
 
-}  // namespace dn::internal::slots_test
+}  // namespace dn::internal::competing_hypotheses_test

@@ -1,4 +1,4 @@
-#include "candidate_effects.h"
+#include "network_hypotheses.h"
 
 #include <dn/autodiff.h>
 #include <dn/effects/effect_table.h>
@@ -13,7 +13,7 @@
 
 #include "pair_columns.h"
 
-namespace dn {
+namespace dn::internal {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -39,7 +39,7 @@ std::vector<double> StepTimes(std::vector<StripInterval> strips) {
   return t_s;
 }
 
-/// Edges of one kind, with the factor that they would have under a calibration with all candidates.
+/// Edges of one kind, with the factor that they would have under a calibration with all hypotheses.
 struct EdgeKind {
   std::vector<FactorId> edges;
   std::vector<std::size_t> effects;  ///< effects in the order of the factor's last blocks
@@ -50,31 +50,34 @@ struct EdgeKind {
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
 };
 
-/// Adds every candidate to the edges, with the value zero, and computes the derivatives.
-class Candidates {
+/// Adds every hypothesis to the edges, with the value zero, and computes the derivatives.
+class NetworkHypotheses {
  public:
-  Candidates(const FlightNetwork& network, int threads, const std::vector<UserEffect>& own)
+  NetworkHypotheses(const FlightNetwork& network, int threads,
+                    const std::vector<Hypothesis>& discrepancies)
       : network_(network),
         threads_(threads),
         means_(AverageSamples(*network.flight().imu, kMeanInterval_s)),
         state_(network.Calibration()),
-        num_own_(own.size()) {
+        num_discrepancies_(discrepancies.size()) {
     for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
-    for (const UserEffect& effect : own) Add(effect);
-    state_candidates_.assign(state_.effects.size(), nullptr);
+    for (const Hypothesis& discrepancy : discrepancies) AddAtZero(discrepancy);
+    state_columns_.assign(state_.effects.size(), nullptr);
   }
 
-  std::vector<CandidateEffect> Run() {
+  Library Run() {
     MatchStates();
     MakeBridgingEdges();
     AddInertial();
     AddGnss();
     AddPairs();
-    const auto first_own = found_.end() - static_cast<std::ptrdiff_t>(num_own_);
-    found_.erase(std::remove_if(found_.begin(), first_own,
-                                [](const CandidateEffect& effect) { return effect.model.empty(); }),
-                 first_own);
-    return std::move(found_);
+    Library out;
+    const std::size_t first_discrepancy = found_.hypotheses.size() - num_discrepancies_;
+    for (std::size_t k = 0; k < found_.hypotheses.size(); ++k) {
+      if (k < first_discrepancy && found_.blocks[k].empty()) continue;
+      out.Add(std::move(found_.hypotheses[k]), std::move(found_.blocks[k]));
+    }
+    return out;
   }
 
  private:
@@ -89,10 +92,10 @@ class Candidates {
       AddBlock(effect, of_lidar);
     } else if (spec.timing == EffectTiming::kStart) {
       for (const double t0_s : StepTimes(FindStrips(network_.flight()))) {
-        AddAtZero(effect, {network_.flight(), {.t0_s = t0_s}});
+        AddAtZero(MakeHypothesis(effect, {network_.flight(), {.t0_s = t0_s}}));
       }
     } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {
-      AddAtZero(effect, {network_.flight()});
+      AddAtZero(MakeHypothesis(effect, {network_.flight()}));
     }
   }
 
@@ -101,35 +104,22 @@ class Candidates {
                        [&](const EffectBlock& effect) { return effect.name == name; });
   }
 
-  void AddAtZero(const EstimableEffect& effect, const EffectSite& site) {
-    CandidateEffect candidate = DescribeEffect(effect);
-    candidate.times = site.times;
-    AddAtZero(std::move(candidate), effect.make(site));
+  void AddAtZero(const Hypothesis& hypothesis) {
+    at_zero_.push_back(found_.hypotheses.size());
+    state_.Insert(
+        {hypothesis.name, hypothesis.action, Eigen::VectorXd::Zero(hypothesis.typical.size())});
+    found_.Add(hypothesis, {});
   }
 
-  void Add(const UserEffect& effect) {
-    CandidateEffect candidate;
-    candidate.name = effect.name;
-    candidate.typical = effect.typical;
-    AddAtZero(std::move(candidate), effect.action);
-  }
-
-  void AddAtZero(CandidateEffect candidate, EffectAction action) {
-    found_.push_back(std::move(candidate));
-    at_zero_.push_back(found_.size() - 1);
-    const CandidateEffect& added = found_.back();
-    state_.Insert({added.name, std::move(action), Eigen::VectorXd::Zero(added.typical.size())});
-  }
-
-  /// Adds a constant block as a candidate: the change from its constant value.
+  /// Adds a constant block as a hypothesis: the change from its constant value.
   void AddBlock(const EstimableEffect& effect, bool of_lidar) {
     const BlockId block = network_.net.Find(effect.name());
     if (!network_.net.block(block).held) return;
-    found_.push_back(DescribeEffect(effect));
-    if (!of_lidar) AddGnssBlock(block, &found_.back());
+    found_.Add(MakeHypothesis(effect, {network_.flight()}), {});
+    if (!of_lidar) AddGnssBlock(block);
   }
 
-  void AddGnssBlock(BlockId block, CandidateEffect* candidate) const {
+  void AddGnssBlock(BlockId block) {
     std::vector<FactorId> factors;
     for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
       factors.push_back(edge.position);
@@ -140,7 +130,8 @@ class Candidates {
       const auto k = static_cast<std::size_t>(at);
       derivatives[k] = BlockDerivative(block, factors[k]);
     });
-    AppendColumns(factors, derivatives, 0, candidate->typical.size(), candidate);
+    AppendColumns(factors, derivatives, 0, found_.hypotheses.back().typical.size(),
+                  &found_.blocks.back());
   }
 
   /// Returns the derivative of an active factor by a block whose stored coordinates are the tangent
@@ -159,17 +150,17 @@ class Candidates {
     return L;
   }
 
-  /// Assigns a candidate to each effect of the state. Both lists have the order of
-  /// EstimableEffects; the state also has the effects of the network.
+  /// Assigns columns to each effect of the state. Both lists have the order of EstimableEffects;
+  /// the state also has the effects of the network.
   void MatchStates() {
     auto next = at_zero_.begin();
     for (std::size_t k = 0; k < state_.effects.size(); ++k) {
       const bool own = OwnBlock(k) >= 0;
-      state_candidates_[k] = own ? nullptr : &found_[*next++];
+      state_columns_[k] = own ? nullptr : &found_.blocks[*next++];
     }
   }
 
-  /// Returns the block of the network for an effect of the state; -1 for a candidate.
+  /// Returns the block of the network for an effect of the state; -1 for a hypothesis.
   BlockId OwnBlock(std::size_t k) const {
     const CalibrationValue& value = state_.effects[k];
     const bool first = k == 0 || state_.effects[k - 1].name != value.name;
@@ -242,16 +233,16 @@ class Candidates {
       if (inertial) whole.back() = inertial->increments().J_effects.topRows<3>();
     }
     const std::vector<Eigen::Matrix3Xd> columns =
-        internal::PairColumns(network_, state_, means_, whole, threads_);
-    const auto append_held = [&](EffectId effect, Eigen::Index first, Eigen::Index count) {
-      const auto at = std::find_if(found_.begin(), found_.end(), [&](const CandidateEffect& held) {
-        return IsEffect(held.name, effect);
-      });
-      if (at != found_.end()) AppendColumns(edges, columns, first, count, &*at);
+        PairColumns(network_, state_, means_, whole, threads_);
+    const auto append_block = [&](EffectId effect, Eigen::Index first, Eigen::Index count) {
+      const auto at = std::find_if(found_.hypotheses.begin(), found_.hypotheses.end(),
+                                   [&](const Hypothesis& one) { return one.id == effect; });
+      if (at == found_.hypotheses.end()) return;
+      AppendColumns(edges, columns, first, count, &found_.blocks[at->block]);
     };
-    append_held(EffectId::kLidarLeverArm, internal::kLeverArmColumn, 3);
-    append_held(EffectId::kLidarTimeOffset, internal::kTimeOffsetColumn, 1);
-    Append(edges, PairEffectIndices(state_), columns, internal::kPairEffectsColumn);
+    append_block(EffectId::kLidarLeverArm, kLeverArmColumn, 3);
+    append_block(EffectId::kLidarTimeOffset, kTimeOffsetColumn, 1);
+    Append(edges, PairEffectIndices(state_), columns, kPairEffectsColumn);
   }
 
   /// Returns the values for the factor that an edge would have under the extended calibration.
@@ -311,13 +302,13 @@ class Candidates {
     return L;
   }
 
-  bool AnyCandidate(const std::vector<std::size_t>& effects) const {
+  bool AnyHypothesis(const std::vector<std::size_t>& effects) const {
     return std::any_of(effects.begin(), effects.end(),
-                       [&](std::size_t e) { return state_candidates_[e] != nullptr; });
+                       [&](std::size_t e) { return state_columns_[e] != nullptr; });
   }
 
   void Differentiate(const EdgeKind& kind) {
-    if (!AnyCandidate(kind.effects)) return;
+    if (!AnyHypothesis(kind.effects)) return;
     std::vector<Eigen::MatrixXd> derivatives(kind.edges.size());
     ParallelFor(static_cast<int>(derivatives.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
@@ -326,7 +317,7 @@ class Candidates {
     Append(kind.edges, kind.effects, derivatives);
   }
 
-  /// Appends the derivatives of edges to the candidates. The columns of the effects begin at
+  /// Appends the derivatives of edges to the hypotheses. The columns of the effects begin at
   /// `column`.
   template <class Matrix>
   void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
@@ -337,20 +328,20 @@ class Candidates {
     }
     ParallelFor(static_cast<int>(effects.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      CandidateEffect* const candidate = state_candidates_[effects[k]];
-      if (candidate == nullptr) return;
-      AppendColumns(edges, derivatives, first[k], first[k + 1] - first[k], candidate);
+      EffectModel* const columns = state_columns_[effects[k]];
+      if (columns == nullptr) return;
+      AppendColumns(edges, derivatives, first[k], first[k + 1] - first[k], columns);
     });
   }
 
   template <class Matrix>
   static void AppendColumns(const std::vector<FactorId>& edges,
                             const std::vector<Matrix>& derivatives, Eigen::Index first,
-                            Eigen::Index count, CandidateEffect* candidate) {
-    candidate->model.reserve(candidate->model.size() + derivatives.size());
+                            Eigen::Index count, EffectModel* columns) {
+    columns->reserve(columns->size() + derivatives.size());
     for (std::size_t k = 0; k < derivatives.size(); ++k) {
       if (derivatives[k].size() == 0) continue;
-      candidate->model.push_back({edges[k], derivatives[k].middleCols(first, count)});
+      columns->push_back({edges[k], derivatives[k].middleCols(first, count)});
     }
   }
 
@@ -358,30 +349,19 @@ class Candidates {
   int threads_;
   ImuData means_;
   CalibrationState state_;
-  std::size_t num_own_;
-  std::vector<CandidateEffect> found_;
-  std::vector<std::size_t> at_zero_;  // indices into found_ of the candidates in the state
-  std::vector<CandidateEffect*> state_candidates_;
+  std::size_t num_discrepancies_;
+  Library found_;
+  std::vector<std::size_t> at_zero_;         // indices into found_ of the hypotheses in the state
+  std::vector<EffectModel*> state_columns_;  // one per effect of the state; null: estimated
   // Null: no pair uses the edge.
   std::vector<std::shared_ptr<const PreintegratedInertial>> bridging_;
 };
 
 }  // namespace
 
-CandidateEffect DescribeEffect(const EstimableEffect& effect) {
-  const EffectSpec& spec = EffectRow(effect.id);
-  CandidateEffect out;
-  out.name = spec.name;
-  out.unit = spec.components[0].unit;
-  out.per_si = 1.0 / spec.components[0].to_si;
-  out.typical = TypicalInSi(spec);
-  out.remedy = effect.remedy;
-  return out;
+Library MakeNetworkHypotheses(const FlightNetwork& network, int threads,
+                              const std::vector<Hypothesis>& discrepancies) {
+  return NetworkHypotheses(network, threads, discrepancies).Run();
 }
 
-std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads,
-                                              const std::vector<UserEffect>& own) {
-  return Candidates(network, threads, own).Run();
-}
-
-}  // namespace dn
+}  // namespace dn::internal

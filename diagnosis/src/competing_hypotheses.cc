@@ -1,4 +1,4 @@
-#include "slots.h"
+#include "competing_hypotheses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,32 +11,32 @@ namespace {
 
 // Priors: no effect 0.5, effects of the table 0.4, unmodelled discrepancies 0.1, each split
 // equally.
-constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
+constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorDiscrepancy = 0.1;
 constexpr double kCredible = 0.95;
 /// Probability of unmodelled discrepancies above which no effect is named.
 constexpr double kWithoutName = 0.5;
 // Fractions of the causes with nearly all the evidence that were truly present in development
 // flights. They are 180 of 187, and 17 of 38 if a gap remained. A fifth of these flights had
 // physics outside the table.
-constexpr double kBorneOut = 0.95, kBorneOutBesideUnknown = 0.45;
+constexpr double kBorneOut = 0.95, kBorneOutWithUnknown = 0.45;
 
-std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
+std::vector<double> LogPriors(const std::vector<HypothesisEvidence>& effects) {
   const auto physical = std::count_if(effects.begin(), effects.end(),
-                                      [](const ScreenedEffect& e) { return e.physical(); });
-  const auto generic = static_cast<double>(effects.size()) - static_cast<double>(physical);
+                                      [](const HypothesisEvidence& e) { return e.physical(); });
+  const auto discrepancy = static_cast<double>(effects.size()) - static_cast<double>(physical);
   std::vector<double> log_priors;
-  for (const ScreenedEffect& effect : effects) {
+  for (const HypothesisEvidence& effect : effects) {
     log_priors.push_back(
         effect.physical()
             ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
-            : std::log(kPriorGeneric / std::max(1.0, generic)));
+            : std::log(kPriorDiscrepancy / std::max(1.0, discrepancy)));
   }
   return log_priors;
 }
 
 /// Returns the smallest set of names with the stated probability, given that some effect is
 /// present.
-std::vector<std::string> CredibleSet(const std::vector<ScreenedEffect>& effects,
+std::vector<std::string> CredibleSet(const std::vector<HypothesisEvidence>& effects,
                                      const std::vector<double>& posterior) {
   std::vector<std::size_t> order(effects.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -58,46 +58,45 @@ bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-double ProbabilityIn(const CompetingHypotheses& slot, const std::string& name) {
-  for (std::size_t k = 0; k < slot.competing_effects.size(); ++k) {
-    if (slot.competing_effects[k].name == name) return slot.posterior[k];
+double ProbabilityIn(const CompetingHypotheses& set, const std::string& name) {
+  for (std::size_t k = 0; k < set.competing_effects.size(); ++k) {
+    if (set.competing_effects[k].name == name) return set.posterior[k];
   }
   return 0.0;
 }
 
-double ProbabilityInAny(const std::vector<CompetingHypotheses>& slots, const std::string& name) {
+double ProbabilityInAny(const std::vector<CompetingHypotheses>& sets, const std::string& name) {
   double absent = 1.0;
-  for (const CompetingHypotheses& slot : slots) absent *= 1.0 - ProbabilityIn(slot, name);
+  for (const CompetingHypotheses& set : sets) absent *= 1.0 - ProbabilityIn(set, name);
   return 1.0 - absent;
 }
 
-void TakeHypotheses(const CompetingHypotheses& slot, GapCause* cause) {
-  cause->posterior = ProbabilityIn(slot, cause->effect);
-  const double log_evidence = FindEvidence(slot.competing_effects, cause->effect);
+void TakeHypotheses(const CompetingHypotheses& set, GapCause* cause) {
+  cause->posterior = ProbabilityIn(set, cause->effect);
+  const double log_evidence = FindEvidence(set.competing_effects, cause->effect);
   if (std::isfinite(log_evidence)) cause->log_evidence = log_evidence;
-  for (const std::string& name : slot.credible_set) {
+  for (const std::string& name : set.credible_set) {
     if (name != cause->effect) cause->inseparable_from.push_back(name);
   }
 }
 
 /// Returns whether an unmodelled discrepancy is the more probable explanation. It must also fit the
 /// data as well as the effect does; a more suitable typical size is not enough.
-bool Doubtful(const CompetingHypotheses& slot) {
-  if (slot.discrepancy_posterior <= kWithoutName) return false;
-  const auto own = std::find_if(slot.competing_effects.begin(), slot.competing_effects.end(),
-                                [&](const auto& rival) { return rival.name == slot.effect; });
-  const auto generic = std::max_element(
-      slot.competing_effects.begin(), slot.competing_effects.end(),
-      [](const auto& a, const auto& b) {
+bool Doubtful(const CompetingHypotheses& set) {
+  if (set.discrepancy_posterior <= kWithoutName) return false;
+  const auto own = std::find_if(set.competing_effects.begin(), set.competing_effects.end(),
+                                [&](const auto& other) { return other.name == set.effect; });
+  const auto discrepancy = std::max_element(
+      set.competing_effects.begin(), set.competing_effects.end(), [](const auto& a, const auto& b) {
         return a.physical() != b.physical() ? a.physical() : a.log_evidence < b.log_evidence;
       });
-  return own == slot.competing_effects.end() || generic->statistic >= own->statistic;
+  return own == set.competing_effects.end() || discrepancy->statistic >= own->statistic;
 }
 
-std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& slots) {
+std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& sets) {
   std::vector<std::string> names;
-  for (const CompetingHypotheses& slot : slots) {
-    for (const std::string& name : slot.credible_set) {
+  for (const CompetingHypotheses& set : sets) {
+    for (const std::string& name : set.credible_set) {
       if (!Has(names, name)) names.push_back(name);
     }
   }
@@ -106,7 +105,7 @@ std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& s
 
 }  // namespace
 
-std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects) {
+std::vector<double> Posterior(const std::vector<HypothesisEvidence>& effects) {
   const std::vector<double> log_priors = LogPriors(effects);
   double largest = std::log(kPriorNothing);
   for (std::size_t k = 0; k < effects.size(); ++k) {
@@ -122,63 +121,64 @@ std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects) {
   return posterior;
 }
 
-CompetingHypotheses MakeCompetingHypotheses(const std::string& effect,
-                                            const std::vector<ScreenedEffect>& competing_effects) {
-  CompetingHypotheses slot;
-  slot.effect = effect;
-  slot.competing_effects = competing_effects;
-  slot.posterior = Posterior(competing_effects);
-  slot.credible_set = CredibleSet(competing_effects, slot.posterior);
+CompetingHypotheses MakeCompetingHypotheses(
+    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects) {
+  CompetingHypotheses set;
+  set.effect = effect;
+  set.competing_effects = competing_effects;
+  set.posterior = Posterior(competing_effects);
+  set.credible_set = CredibleSet(competing_effects, set.posterior);
   for (std::size_t k = 0; k < competing_effects.size(); ++k) {
-    if (!competing_effects[k].physical()) slot.discrepancy_posterior += slot.posterior[k];
+    if (!competing_effects[k].physical()) set.discrepancy_posterior += set.posterior[k];
   }
-  return slot;
+  return set;
 }
 
-const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name) {
-  for (const ScreenedEffect& effect : effects) {
+const HypothesisEvidence* Find(const std::vector<HypothesisEvidence>& effects,
+                               const std::string& name) {
+  for (const HypothesisEvidence& effect : effects) {
     if (effect.name == name) return &effect;
   }
   return nullptr;
 }
 
-double FindEvidence(const std::vector<ScreenedEffect>& effects, const std::string& name) {
-  const ScreenedEffect* effect = Find(effects, name);
+double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name) {
+  const HypothesisEvidence* effect = Find(effects, name);
   return effect == nullptr ? -std::numeric_limits<double>::infinity() : effect->log_evidence;
 }
 
-const ScreenedEffect* BestDiscrepancy(const std::vector<ScreenedEffect>& effects) {
-  const ScreenedEffect* best = nullptr;
-  for (const ScreenedEffect& effect : effects) {
+const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects) {
+  const HypothesisEvidence* best = nullptr;
+  for (const HypothesisEvidence& effect : effects) {
     if (effect.physical()) continue;
     if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
   }
   return best;
 }
 
-double DiscrepancyEvidence(const std::vector<ScreenedEffect>& effects) {
-  const ScreenedEffect* best = BestDiscrepancy(effects);
+double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects) {
+  const HypothesisEvidence* best = BestDiscrepancy(effects);
   return best == nullptr ? 0.0 : std::max(0.0, best->log_evidence);
 }
 
-const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects) {
-  for (const ScreenedEffect& effect : effects) {
+const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects) {
+  for (const HypothesisEvidence& effect : effects) {
     if (effect.physical()) return &effect;
   }
   return nullptr;
 }
 
-void FillCauses(const std::vector<ScreenedEffect>& screened,
-                const std::vector<CompetingHypotheses>& slots, const std::vector<GapCause>& named,
+void FillCauses(const std::vector<HypothesisEvidence>& screened,
+                const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis) {
   for (const GapCause& cause : named) {
     diagnosis->causes.push_back(cause);
-    for (const CompetingHypotheses& slot : slots) {
-      if (slot.effect == cause.effect) TakeHypotheses(slot, &diagnosis->causes.back());
+    for (const CompetingHypotheses& set : sets) {
+      if (set.effect == cause.effect) TakeHypotheses(set, &diagnosis->causes.back());
     }
   }
-  for (const ScreenedEffect& effect : screened) {
-    const double posterior = ProbabilityInAny(slots, effect.name);
+  for (const HypothesisEvidence& effect : screened) {
+    const double posterior = ProbabilityInAny(sets, effect.name);
     if (!effect.physical()) {
       diagnosis->discrepancies.push_back(
           {effect.name, effect.log_evidence, posterior, effect.period_s, effect.decay_s});
@@ -196,25 +196,25 @@ void FillCauses(const std::vector<ScreenedEffect>& screened,
 void ScaleToObservedRates(const GapVerdict& verdict, std::vector<GapCause>* causes) {
   const bool something = verdict.unknown || !verdict.effects.empty();
   if (!something) return;
-  const double share = verdict.unknown ? kBorneOutBesideUnknown : kBorneOut;
+  const double share = verdict.unknown ? kBorneOutWithUnknown : kBorneOut;
   for (GapCause& cause : *causes) cause.posterior *= share;
 }
 
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
-                  const std::vector<CompetingHypotheses>& slots) {
+                  const std::vector<CompetingHypotheses>& sets) {
   GapVerdict verdict;
   if (!decision.detected) return verdict;
-  const bool doubtful = std::any_of(slots.begin(), slots.end(), Doubtful);
+  const bool doubtful = std::any_of(sets.begin(), sets.end(), Doubtful);
   if (named.empty() || decision.discrepancy_is_better || (named.size() == 1 && doubtful)) {
     verdict.kind = GapVerdictKind::kUnknown;
     verdict.unknown = true;
-    if (!named.empty()) verdict.credible_set = CredibleInAny(slots);
+    if (!named.empty()) verdict.credible_set = CredibleInAny(sets);
     return verdict;
   }
   verdict.effects = named;
-  verdict.credible_set = CredibleInAny(slots);
-  const bool group = std::any_of(slots.begin(), slots.end(), [](const CompetingHypotheses& slot) {
-    return slot.credible_set.size() > 1;
+  verdict.credible_set = CredibleInAny(sets);
+  const bool group = std::any_of(sets.begin(), sets.end(), [](const CompetingHypotheses& set) {
+    return set.credible_set.size() > 1;
   });
   verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
   if (decision.gap_remains || doubtful) {

@@ -1,13 +1,9 @@
 #pragma once
 
 #include <dn/files/flight.h>
-#include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
-
-#include "candidate_effects.h"
 
 namespace dn::internal {
 
@@ -47,34 +43,5 @@ struct Cosines {
   /// Returns the standard deviations of the coefficients of a Gauss-Markov process of unit sigma.
   Eigen::VectorXd GaussMarkov(double tau_s) const;
 };
-
-/// Returns a boresight offset that is constant in each cell: three components per cell.
-UserEffect BoresightByCell(const TimeCells& cells);
-
-/// Returns the time constants tried for a decaying boresight offset: fractions of the time from the
-/// first strip to the end of the last. Slower decay looks like a drift. `strips` must be in order
-/// of time.
-std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips);
-
-/// Returns a boresight offset that decays from begin_s on: three components per time constant.
-UserEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s);
-
-/// Smallest number of strips for which BoresightByHeading differs from a free boresight of each
-/// strip.
-inline constexpr std::size_t kFewestHeadings = 4;
-
-/// Returns a boresight offset that follows the cosine and the sine of the heading in the middle of
-/// each strip: three components each. `strips` and `path` must be in order of time, `path` not
-/// empty.
-UserEffect BoresightByHeading(const std::vector<StripInterval>& strips,
-                              const std::vector<MapPose>& path);
-
-/// Returns a GNSS position offset (map axes) that is constant in each cell: three components per
-/// cell.
-UserEffect GnssByCell(const TimeCells& cells);
-
-/// Returns a GNSS position offset that is a sum of cosines; the axes are adjacent within each
-/// cosine.
-UserEffect GnssByCosine(const Cosines& cosines);
 
 }  // namespace dn::internal
