@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <map>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "evidence.h"
 #include "lidar_effects.h"
 #include "linear_pairs.h"
+#include "scale_steps.h"
 #include "score_selection.h"
 #include "time_correlated_errors.h"
 
@@ -25,12 +25,6 @@ using Eigen::Vector3d;
 constexpr int kWhiteSteps = 2;
 // The scale of the white noise includes the excess.
 constexpr double kNoExcess = 1.0;
-
-/// Scales as numbers of steps from the stated scales.
-struct ScaleSteps {
-  int position = 0, attitude = 0, white = 0;
-  auto operator<=>(const ScaleSteps&) const = default;
-};
 
 /// Evidence for a scale.
 struct ScaleEvidence {
@@ -47,7 +41,7 @@ class ScaleSearch {
       : errors_(errors), library_(library), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
-    const ScaleSteps noisy{0, 0, MaxSteps(&ScaleSteps::white)};
+    const ScaleSteps noisy{0, 0, MaxWhite()};
     const ScaleSteps alone = Climb(noisy, &ScaleEvidence::errors_nats);
     for (const ScaleSteps start : {ScaleSteps{}, noisy, alone}) {
       const ScaleSteps top = Climb(start, &ScaleEvidence::total_nats);
@@ -83,29 +77,12 @@ class ScaleSearch {
     return known_.emplace(steps, std::move(evidence)).first->second;
   }
 
-  /// Climbs from a start to a scale that no neighbour exceeds.
-  ScaleSteps Climb(ScaleSteps top, double ScaleEvidence::*height) {
-    for (bool higher = true; higher;) {
-      higher = false;
-      for (int ScaleSteps::*which :
-           {&ScaleSteps::position, &ScaleSteps::attitude, &ScaleSteps::white}) {
-        for (const int step : {-1, 1}) {
-          ScaleSteps next = top;
-          next.*which += step;
-          if (next.*which < 0 || next.*which > MaxSteps(which)) continue;
-          if (At(next).*height <= At(top).*height) continue;
-          top = next;
-          higher = true;
-        }
-      }
-    }
-    return top;
+  ScaleSteps Climb(const ScaleSteps& start, double ScaleEvidence::*height) {
+    return ClimbScales(start, {kMaxOctaves, kMaxOctaves, MaxWhite()},
+                       [&](const ScaleSteps& steps) { return At(steps).*height; });
   }
 
-  int MaxSteps(int ScaleSteps::*which) const {
-    if (which != &ScaleSteps::white) return kMaxOctaves;
-    return sigma0_ > 1.0 ? kWhiteSteps : 0;
-  }
+  int MaxWhite() const { return sigma0_ > 1.0 ? kWhiteSteps : 0; }
 
   const TimeCorrelatedErrorModel& errors_;
   const Library& library_;

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "evidence.h"
+
 namespace dn::internal {
 namespace {
 
@@ -69,6 +71,10 @@ JointScore WithUnknowns(const JointScore& score, const MatrixXd& T) {
   return left;
 }
 
+ErrorScale MakeScale(const ScaleSteps& octaves, double white) {
+  return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
+}
+
 /// Returns the Occam factor of the evidence for scaled noise whose ln(ratio) is known to sigma.
 double NoisePrior(double ln_ratio, double sigma) {
   const double in_sigmas = ln_ratio / kLnNoiseSigma;
@@ -87,27 +93,27 @@ struct PairFitter::Height {
 /// Search over all error scales for one set of chosen effects.
 class PairFitter::Search {
  public:
-  Search(PairFitter* evidence, const std::vector<HypothesisEvidence>& chosen)
-      : evidence_(*evidence), chosen_(chosen) {}
+  Search(PairFitter* fitter, const std::vector<HypothesisEvidence>& chosen)
+      : fitter_(*fitter), chosen_(chosen) {}
 
   PairFit Run() {
     const NoiseRatio noise = FindNoise(Climb({}, 1.0, std::nullopt));
     const double most = Contains(chosen_, kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
-    white_ = Contains(chosen_, kNoise) ? most : std::max(most, evidence_.min_white_);
-    const Octaves top = Climb({}, white_, std::nullopt);
+    white_ = Contains(chosen_, kNoise) ? most : std::max(most, fitter_.min_white_);
+    const ScaleSteps top = Climb({}, white_, std::nullopt);
     base_ = At(top, white_).of_errors;
     PairFit out;
     const Height& at_top = At(top, white_);
     out.scale = MakeScale(top, white_);
-    out.chi2 = evidence_.At(top, white_).chi2;
+    out.chi2 = fitter_.At(top, white_).chi2;
     out.larger_errors_nats = base_ - At({}, white_).of_errors;
     out.screen = std::make_unique<Screen>(at_top.screen);
     out.with_stated_errors = std::make_unique<Screen>(At({}, white_).screen);
-    out.chi2_with_stated_errors = evidence_.At({}, white_).chi2;
+    out.chi2_with_stated_errors = fitter_.At({}, white_).chi2;
     for (std::size_t family = 0; family < at_top.effects.size(); ++family) {
       out.effects.push_back(Judge(family, top));
     }
-    if (evidence_.with_noise_scale_) out.effects.push_back(JudgeNoise(top, noise));
+    if (fitter_.with_noise_scale_) out.effects.push_back(JudgeNoise(top, noise));
     std::erase_if(out.effects, [&](const HypothesisEvidence& other) {
       return other.id && Contains(chosen_, *other.id);
     });
@@ -117,18 +123,14 @@ class PairFitter::Search {
   }
 
  private:
-  static ErrorScale MakeScale(const Octaves& octaves, double white) {
-    return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
-  }
-
-  const Height& At(const Octaves& octaves, double white) {
+  const Height& At(const ScaleSteps& octaves, double white) {
     const auto key = std::make_pair(octaves, white);
     const auto known = heights_.find(key);
     if (known != heights_.end()) return known->second;
-    const TimeCorrelatedErrorModel::ScaleSolution& at = evidence_.At(octaves, white);
+    const TimeCorrelatedErrorModel::ScaleSolution& at = fitter_.At(octaves, white);
     const Combinations combined = Combine(chosen_, at.score);
     Height height{at.log_likelihood + LogScalePrior(octaves.position, octaves.attitude),
-                  Screen(evidence_.library_.library, WithUnknowns(at.score, combined.T)),
+                  Screen(fitter_.library_.library, WithUnknowns(at.score, combined.T)),
                   {}};
     if (combined.T.cols() > 0) {
       const SizeAveragedEvidence form(combined.T.transpose() * at.score.A * combined.T,
@@ -139,32 +141,20 @@ class PairFitter::Search {
     return heights_.emplace(key, std::move(height)).first->second;
   }
 
-  double HeightAt(const Octaves& octaves, double white, std::optional<std::size_t> family) {
+  double HeightAt(const ScaleSteps& octaves, double white, std::optional<std::size_t> family) {
     const Height& at = At(octaves, white);
     return at.of_errors + (family ? at.effects[*family].log_evidence : 0.0);
   }
 
-  /// Climbs from a start to a scale that no neighbouring scale exceeds.
-  Octaves Climb(Octaves top, double white, std::optional<std::size_t> family) {
-    for (bool higher = true; higher;) {
-      higher = false;
-      for (int Octaves::*which : {&Octaves::position, &Octaves::attitude}) {
-        for (const int step : {-1, 1}) {
-          Octaves next = top;
-          next.*which += step;
-          if (next.*which < 0 || next.*which > kMaxOctaves) continue;
-          if (HeightAt(next, white, family) <= HeightAt(top, white, family)) continue;
-          top = next;
-          higher = true;
-        }
-      }
-    }
-    return top;
+  /// Climbs to the likeliest scale of the trajectory errors, with a family of effects or without.
+  ScaleSteps Climb(const ScaleSteps& start, double white, std::optional<std::size_t> family) {
+    return ClimbScales(start, {kMaxOctaves, kMaxOctaves, 0},
+                       [&](const ScaleSteps& octaves) { return HeightAt(octaves, white, family); });
   }
 
-  HypothesisEvidence Judge(std::size_t family, const Octaves& of_errors) {
-    Octaves best = Climb({}, white_, family);
-    const Octaves other = Climb(of_errors, white_, family);
+  HypothesisEvidence Judge(std::size_t family, const ScaleSteps& of_errors) {
+    ScaleSteps best = Climb({}, white_, family);
+    const ScaleSteps other = Climb(of_errors, white_, family);
     if (HeightAt(other, white_, family) > HeightAt(best, white_, family)) best = other;
     HypothesisEvidence effect = At(best, white_).effects[family];
     effect.log_evidence = HeightAt(best, white_, family) - base_;
@@ -182,12 +172,12 @@ class PairFitter::Search {
   };
 
   /// Maximises the likelihood of ln(ratio) with Newton steps that start at the mean square.
-  NoiseRatio FindNoise(const Octaves& octaves) {
+  NoiseRatio FindNoise(const ScaleSteps& octaves) {
     const auto height = [&](double ln_ratio) {
-      return evidence_.At(octaves, std::exp(ln_ratio)).log_likelihood;
+      return fitter_.At(octaves, std::exp(ln_ratio)).log_likelihood;
     };
-    const double n = evidence_.observations_;
-    double x = 0.5 * std::log(std::max(evidence_.At(octaves, 1.0).chi2, 1.0) / n);
+    const double n = fitter_.observations_;
+    double x = 0.5 * std::log(std::max(fitter_.At(octaves, 1.0).chi2, 1.0) / n);
     double curvature = 2.0 * n;
     for (int pass = 0; pass < kNoisePasses; ++pass) {
       const double low = height(x - kLnNoiseStep), high = height(x + kLnNoiseStep);
@@ -201,42 +191,43 @@ class PairFitter::Search {
     return {std::exp(x), 1.0 / std::sqrt(curvature)};
   }
 
-  HypothesisEvidence JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
-    const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
+  HypothesisEvidence JudgeNoise(const ScaleSteps& of_errors, const NoiseRatio& noise) {
+    const ScaleSteps top = Climb(of_errors, noise.ratio, std::nullopt);
     HypothesisEvidence effect{MakeHypothesis(kNoise)};
     effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
                           NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
     effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));
-    const double of_pairs = noise.ratio / evidence_.min_white_;
+    const double of_pairs = noise.ratio / fitter_.min_white_;
     effect.estimate = VectorXd::Constant(1, of_pairs);
     effect.sigma = VectorXd::Constant(1, noise.ln_sigma * of_pairs);
     return effect;
   }
 
-  void EstimateChosen(const Octaves& top, PairFit* out) {
+  void EstimateChosen(const ScaleSteps& top, PairFit* out) {
     out->chosen = chosen_;
-    const JointScore& score = evidence_.At(top, white_).score;
+    const JointScore& score = fitter_.At(top, white_).score;
     const Combinations combined = Combine(chosen_, score);
     if (combined.T.cols() == 0) return;
     const ScoreTest test = TestCombinations(score, combined.T);
+    const VectorXd sigma = ComponentSigmas(test);
     const MatrixXd shift = score.shift * combined.T;
     Index first = 0;
     for (HypothesisEvidence& effect : out->chosen) {
       if (!IsFixed(effect)) continue;
       const Index n = effect.typical.size();
       effect.estimate = test.estimate.segment(first, n);
-      effect.sigma = test.covariance.diagonal().segment(first, n).cwiseMax(0.0).cwiseSqrt();
+      effect.sigma = sigma.segment(first, n);
       effect.boresight_rad = shift.middleCols(first, n) * effect.estimate;
       first += n;
     }
     out->boresight_covariance_rad2 = shift * test.covariance * shift.transpose();
   }
 
-  PairFitter& evidence_;
+  PairFitter& fitter_;
   const std::vector<HypothesisEvidence>& chosen_;
   double white_ = 1.0;
   double base_ = 0.0;
-  std::map<std::pair<Octaves, double>, Height> heights_;
+  std::map<std::pair<ScaleSteps, double>, Height> heights_;
 };
 
 PairFitter::PairFitter(const PairLibrary& library, const LinearPairs& pairs,
@@ -258,13 +249,12 @@ double PairFitter::NoiseEvidence(double chi2) const {
          NoisePrior(0.5 * std::log(ratio), 1.0 / std::sqrt(2.0 * observations_));
 }
 
-const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const Octaves& octaves,
+const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const ScaleSteps& octaves,
                                                               double white) {
-  const auto key = std::make_tuple(octaves.position, octaves.attitude, white);
+  const auto key = std::make_pair(octaves, white);
   const auto known = known_.find(key);
   if (known != known_.end()) return known->second;
-  const ErrorScale scale{std::exp2(octaves.position), std::exp2(octaves.attitude), white};
-  return known_.emplace(key, errors_.At(scale)).first->second;
+  return known_.emplace(key, errors_.At(MakeScale(octaves, white))).first->second;
 }
 
 }  // namespace dn::internal
