@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "gauss_helmert_effects.h"
+#include "linear_pairs.h"
 #include "model_findings.h"
 
 namespace dn {

@@ -1,7 +1,5 @@
 #include "gauss_helmert_effects.h"
 
-#include <dn/rotation.h>
-
 #include <algorithm>
 #include <cmath>
 #include <compare>
@@ -123,11 +121,6 @@ Vector3d SigmaWithoutEffects(const TimeCorrelatedErrorModel& errors, const Error
 }
 
 }  // namespace
-
-Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration) {
-  return Log(Eigen::Quaterniond(Exp(calibration.boresight.angles_rad) *
-                                Exp(calibration.problem.boresight_rad).conjugate()));
-}
 
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {
