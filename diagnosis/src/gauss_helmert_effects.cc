@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "climb_grid.h"
 #include "discrepancies.h"
 #include "evidence.h"
 #include "lidar_effects.h"
@@ -45,7 +46,7 @@ class ScaleSearch {
       : errors_(errors), library_(library), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
-    const ScaleSteps noisy{0, 0, MaxSteps(&ScaleSteps::white)};
+    const ScaleSteps noisy{0, 0, MaxWhiteSteps()};
     const ScaleSteps alone = Climb(noisy, &ScaleEvidence::errors_nats);
     for (const ScaleSteps start : {ScaleSteps{}, noisy, alone}) {
       const ScaleSteps top = Climb(start, &ScaleEvidence::total_nats);
@@ -82,28 +83,15 @@ class ScaleSearch {
   }
 
   /// Climbs from a start to a scale that no neighbour exceeds.
-  ScaleSteps Climb(ScaleSteps top, double ScaleEvidence::*height) {
-    for (bool higher = true; higher;) {
-      higher = false;
-      for (int ScaleSteps::*which :
-           {&ScaleSteps::position, &ScaleSteps::attitude, &ScaleSteps::white}) {
-        for (const int step : {-1, 1}) {
-          ScaleSteps next = top;
-          next.*which += step;
-          if (next.*which < 0 || next.*which > MaxSteps(which)) continue;
-          if (At(next).*height <= At(top).*height) continue;
-          top = next;
-          higher = true;
-        }
-      }
-    }
-    return top;
+  ScaleSteps Climb(const ScaleSteps& start, double ScaleEvidence::*height) {
+    return ClimbGrid(start,
+                     {{&ScaleSteps::position, kMaxOctaves},
+                      {&ScaleSteps::attitude, kMaxOctaves},
+                      {&ScaleSteps::white, MaxWhiteSteps()}},
+                     [&](const ScaleSteps& steps) { return At(steps).*height; });
   }
 
-  int MaxSteps(int ScaleSteps::*which) const {
-    if (which != &ScaleSteps::white) return kMaxOctaves;
-    return sigma0_ > 1.0 ? kWhiteSteps : 0;
-  }
+  int MaxWhiteSteps() const { return sigma0_ > 1.0 ? kWhiteSteps : 0; }
 
   const TimeCorrelatedErrorModel& errors_;
   const Library& library_;
