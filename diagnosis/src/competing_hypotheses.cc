@@ -134,40 +134,6 @@ CompetingHypotheses MakeCompetingHypotheses(
   return set;
 }
 
-const HypothesisEvidence* Find(const std::vector<HypothesisEvidence>& effects,
-                               const std::string& name) {
-  for (const HypothesisEvidence& effect : effects) {
-    if (effect.name == name) return &effect;
-  }
-  return nullptr;
-}
-
-double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name) {
-  const HypothesisEvidence* effect = Find(effects, name);
-  return effect == nullptr ? -std::numeric_limits<double>::infinity() : effect->log_evidence;
-}
-
-const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects) {
-  const HypothesisEvidence* best = nullptr;
-  for (const HypothesisEvidence& effect : effects) {
-    if (effect.physical()) continue;
-    if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
-  }
-  return best;
-}
-
-double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects) {
-  const HypothesisEvidence* best = BestDiscrepancy(effects);
-  return best == nullptr ? 0.0 : std::max(0.0, best->log_evidence);
-}
-
-const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects) {
-  for (const HypothesisEvidence& effect : effects) {
-    if (effect.physical()) return &effect;
-  }
-  return nullptr;
-}
-
 void FillCauses(const std::vector<HypothesisEvidence>& screened,
                 const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "screen.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::internal {
 
@@ -26,19 +26,6 @@ CompetingHypotheses MakeCompetingHypotheses(
 /// Returns the posterior probability of each effect; the rest belongs to "no effect". See
 /// docs/guides/gap.md.
 std::vector<double> Posterior(const std::vector<HypothesisEvidence>& effects);
-
-/// Returns the effect with this name; null if it is not in the list.
-const HypothesisEvidence* Find(const std::vector<HypothesisEvidence>& effects,
-                               const std::string& name);
-/// Returns the evidence of the effect with this name; minus infinity if it is not in the list.
-double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name);
-/// Returns the most probable unmodelled discrepancy; null if there are none.
-const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects);
-/// Returns the largest evidence of an unmodelled discrepancy, at least 0.
-double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects);
-/// Returns the most probable effect of the table, from effects sorted by evidence; null if there
-/// are none.
-const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects);
 
 /// Adds the causes and discrepancies to a diagnosis: every effect of a screen, with its probability
 /// over all sets of competing hypotheses. The causes `named` come first, with the probability and

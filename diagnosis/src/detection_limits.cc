@@ -20,35 +20,30 @@ constexpr double kNamed = 0.8;
 constexpr double kLargest = 100.0;  // in multiples of the typical size
 constexpr double kStep = 1.5;
 constexpr int kFlights = 40;
-// Candidates that mimic less of an effect than this are never named in its place.
+// Hypotheses that mimic less of an effect than this are never named in its place.
 constexpr double kMimics = 0.2;
 
-/// A hypothesis that competes with the effect for its name.
-struct Competitor {
-  std::size_t candidate = 0;
-  std::string name;
-};
-
-/// The part of an effect that other candidates can absorb.
+/// The part of an effect that other hypotheses can absorb.
 class Mimicry {
  public:
   explicit Mimicry(const Screen& screen)
       : screen_(screen), inverse_(screen.library().hypotheses.size()) {}
 
-  /// Returns c^T A^+ c of a candidate, where c is its cross information with the effect.
-  double Absorbed(std::size_t candidate, const Eigen::VectorXd& c) {
-    Eigen::MatrixXd& inverse = inverse_[candidate];
+  /// Returns c^T A^+ c of a hypothesis, where c is its cross information with the effect.
+  double Absorbed(std::size_t hypothesis, const Eigen::VectorXd& c) {
+    Eigen::MatrixXd& inverse = inverse_[hypothesis];
     if (inverse.size() == 0)
-      inverse = TestHypothesis(screen_.library().hypotheses[candidate], screen_.score()).covariance;
+      inverse =
+          TestHypothesis(screen_.library().hypotheses[hypothesis], screen_.score()).covariance;
     return c.dot(inverse * c);
   }
 
  private:
   const Screen& screen_;
-  std::vector<Eigen::MatrixXd> inverse_;  // one per candidate, computed on demand
+  std::vector<Eigen::MatrixXd> inverse_;  // one per hypothesis, computed on demand
 };
 
-/// Simulates the scores of the competing candidates, and the decision that is based on them.
+/// Simulates the scores of an effect and its competitors, and the decision that is based on them.
 class NamingTrials {
  public:
   NamingTrials(const Screen& screen, Mimicry* mimicry, std::size_t truth,
@@ -57,7 +52,7 @@ class NamingTrials {
         mimicry_(*mimicry),
         direction_(direction),
         threshold_nats_(threshold_nats) {
-    competitors_.push_back({truth, screen.library().hypotheses[truth].name});
+    competitors_.push_back(truth);
     FindCompetitors();
     Factor();
   }
@@ -65,14 +60,15 @@ class NamingTrials {
   /// Returns the fraction of flights in which an effect of this size is named. Counts in `instead`
   /// the other names that are given.
   double Named(double size, std::uint64_t seed, std::map<std::string, int>* instead) const {
-    Random random(seed, "limits/" + competitors_[0].name);
+    const std::string& truth = Competitor(0).name;
+    Random random(seed, "limits/" + truth);
     const Eigen::VectorXd mean = size * cross_ * direction_;
     int named = 0;
     for (int flight = 0; flight < kFlights; ++flight) {
       Eigen::VectorXd noise(root_.cols());
       for (Eigen::Index k = 0; k < noise.size(); ++k) noise[k] = random.Normal();
       const std::string name = Best(mean + root_ * noise);
-      if (name == competitors_[0].name) {
+      if (name == truth) {
         ++named;
       } else if (!name.empty()) {
         ++(*instead)[name];
@@ -82,17 +78,17 @@ class NamingTrials {
   }
 
  private:
-  const Hypothesis& FindHypothesis(const Competitor& competitor) const {
-    return screen_.library().hypotheses[competitor.candidate];
+  const Hypothesis& Competitor(std::size_t k) const {
+    return screen_.library().hypotheses[competitors_[k]];
   }
 
-  /// Finds the candidate of every other family that mimics the effect best.
+  /// Finds the hypothesis of every other family that mimics the effect best.
   void FindCompetitors() {
-    const Hypothesis& truth = FindHypothesis(competitors_[0]);
+    const Hypothesis& truth = Competitor(0);
     const Eigen::MatrixXd A = SelectInformation(truth, screen_.score());
     const double lambda = direction_.dot(A * direction_);
     for (const EffectFamily& family : screen_.families()) {
-      if (family.name == competitors_[0].name) continue;
+      if (family.name == truth.name) continue;
       double most = 0.0;
       std::size_t best = family.first;
       const std::size_t stride = std::max<std::size_t>(1, (family.past - family.first) / 40);
@@ -105,28 +101,26 @@ class NamingTrials {
           best = k;
         }
       }
-      if (most > kMimics) competitors_.push_back({best, family.name});
+      if (most > kMimics) competitors_.push_back(best);
     }
   }
 
   /// Computes the root of the joint covariance of the scores, and their change per unit of the
   /// effect.
   void Factor() {
-    Eigen::Index n = 0;
-    for (const Competitor& competitor : competitors_) {
-      first_.push_back(n);
-      n += SelectInformation(FindHypothesis(competitor), screen_.score()).rows();
+    const JointScore& score = screen_.score();
+    first_.push_back(0);
+    for (std::size_t k = 0; k < competitors_.size(); ++k) {
+      first_.push_back(first_.back() + Competitor(k).typical.size());
     }
-    first_.push_back(n);
-    Eigen::MatrixXd joint(n, n);
-    Eigen::VectorXd signature(n);
+    Eigen::MatrixXd joint(first_.back(), first_.back());
+    Eigen::VectorXd signature(first_.back());
     for (std::size_t a = 0; a < competitors_.size(); ++a) {
       signature.segment(first_[a], first_[a + 1] - first_[a]) =
-          SelectSignature(FindHypothesis(competitors_[a]), screen_.score());
+          SelectSignature(Competitor(a), score);
       for (std::size_t b = 0; b < competitors_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
-            SelectInformation(FindHypothesis(competitors_[a]), FindHypothesis(competitors_[b]),
-                              screen_.score());
+            SelectInformation(Competitor(a), Competitor(b), score);
       }
     }
     // An effect that is present enters the residuals with a negative sign: the score decreases.
@@ -138,11 +132,11 @@ class NamingTrials {
     std::string best;
     double most = threshold_nats_;
     for (std::size_t k = 0; k < competitors_.size(); ++k) {
-      const double evidence = screen_.form(competitors_[k].candidate)
+      const double evidence = screen_.form(competitors_[k])
                                   .LogEvidence(s.segment(first_[k], first_[k + 1] - first_[k]));
       if (evidence <= most) continue;
       most = evidence;
-      best = competitors_[k].name;
+      best = Competitor(k).name;
     }
     return best;
   }
@@ -151,7 +145,7 @@ class NamingTrials {
   Mimicry& mimicry_;
   Eigen::VectorXd direction_;
   double threshold_nats_;
-  std::vector<Competitor> competitors_;
+  std::vector<std::size_t> competitors_;  // indices of hypotheses, the effect itself first
   std::vector<Eigen::Index> first_;
   Eigen::MatrixXd cross_, root_;
 };
@@ -163,47 +157,52 @@ Eigen::VectorXd BestDirection(const Hypothesis& hypothesis, const Eigen::MatrixX
   return hypothesis.typical.cwiseProduct(best);
 }
 
-DetectionLimit ComputeLimits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
-                             double threshold_nats, std::uint64_t seed) {
-  const std::size_t middle = family.first + (family.past - family.first) / 2;
-  const Hypothesis& hypothesis = screen.library().hypotheses[middle];
-  const Eigen::MatrixXd A = SelectInformation(hypothesis, screen.score());
-  const Eigen::VectorXd direction = BestDirection(hypothesis, A);
-  const double lambda = direction.dot(A * direction);
-  const Eigen::VectorXd of_components = SelectSignature(hypothesis, screen.score());
-  const double signature = of_components.dot(direction.cwiseAbs2());
-  DetectionLimit limit;
-  limit.effect = hypothesis.name;
-  limit.unit = hypothesis.unit;
-  // The size of an effect is that of its largest component.
-  const double unit = hypothesis.per_si * direction.cwiseAbs().maxCoeff();
-  limit.detectable_by_component =
-      hypothesis.per_si * MinimalDetectableBiases(hypothesis, screen.score());
-  const double detectable = MinimalDetectableBias(lambda, signature);
-  limit.minimal_detectable = detectable * unit;
-  if (std::isfinite(detectable) && screen.score().shift.rows() == 3) {
-    limit.boresight_shift_rad = detectable * SelectShift(hypothesis, screen.score()) * direction;
-  }
-  const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
+/// Sets the minimal identifiable size, and the effects that are named instead at the largest size
+/// that was tried. `unit` is the reported size per unit of the direction.
+void FindIdentifiable(const NamingTrials& trials, double unit, std::uint64_t seed,
+                      DetectionLimit* limit) {
   std::map<std::string, int> instead;
-  const double start = std::clamp(limit.minimal_detectable / unit, 1.0 / kLargest, kLargest);
+  const double start = std::clamp(limit->minimal_detectable / unit, 1.0 / kLargest, kLargest);
   double below = 0.0;  // fraction named at the previous size
   for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {
     instead.clear();
-    const double named = decision.Named(size, seed, &instead);
+    const double named = trials.Named(size, seed, &instead);
     if (named >= kNamed) {
       const bool first = size == 0.5 * start;
       const double back = first ? 0.0 : (named - kNamed) / (named - below);
-      limit.minimal_identifiable = size * std::pow(kStep, -back) * unit;
+      limit->minimal_identifiable = size * std::pow(kStep, -back) * unit;
       break;
     }
     below = named;
   }
   for (const auto& [name, times] : instead) {
     if (times >= kFlights / 10 && FindEffect(name) != nullptr) {
-      limit.inseparable_from.push_back(name);
+      limit->inseparable_from.push_back(name);
     }
   }
+}
+
+DetectionLimit ComputeLimits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
+                             double threshold_nats, std::uint64_t seed) {
+  const std::size_t middle = family.first + (family.past - family.first) / 2;
+  const Hypothesis& hypothesis = screen.library().hypotheses[middle];
+  const JointScore& score = screen.score();
+  const Eigen::MatrixXd A = SelectInformation(hypothesis, score);
+  const Eigen::VectorXd direction = BestDirection(hypothesis, A);
+  // The size of an effect is that of its largest component.
+  const double unit = hypothesis.per_si * direction.cwiseAbs().maxCoeff();
+  const double detectable = MinimalDetectableBias(
+      direction.dot(A * direction), SelectSignature(hypothesis, score).dot(direction.cwiseAbs2()));
+  DetectionLimit limit;
+  limit.effect = hypothesis.name;
+  limit.unit = hypothesis.unit;
+  limit.detectable_by_component = hypothesis.per_si * MinimalDetectableBiases(hypothesis, score);
+  limit.minimal_detectable = detectable * unit;
+  if (std::isfinite(detectable) && score.shift.rows() == 3) {
+    limit.boresight_shift_rad = detectable * SelectShift(hypothesis, score) * direction;
+  }
+  const NamingTrials trials(screen, mimicry, middle, direction, threshold_nats);
+  FindIdentifiable(trials, unit, seed, &limit);
   return limit;
 }
 

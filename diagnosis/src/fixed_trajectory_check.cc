@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "gauss_helmert_effects.h"
+#include "linear_pairs.h"
 #include "model_findings.h"
 
 namespace dn {
@@ -56,7 +57,9 @@ std::optional<PriorCheck> CheckStatedPrior(const GaussHelmertCalibration& calibr
 }
 
 template <class Calibration>
-ModelCheck AddCheck(ModelCheck check, Clock::time_point start, Calibration* calibration) {
+ModelCheck CheckAndAssess(const Flight& flight, Calibration* calibration) {
+  const auto start = Clock::now();
+  ModelCheck check = CheckModel(flight, *calibration);
   Assess(check, &calibration->boresight);
   calibration->covariance_time_s += SecondsSince(start);
   return check;
@@ -82,7 +85,7 @@ ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calib
   return check;
 }
 
-ModelCheck CheckModel(const FlightConfig& config, const PlaneCalibration& calibration) {
+ModelCheck CheckModel(const Flight& flight, const PlaneCalibration& calibration) {
   const CorrelatedErrorCovariance& scatter = calibration.scatter.trajectory;
   ModelCheck check;
   check.of_boresight = true;
@@ -90,18 +93,16 @@ ModelCheck CheckModel(const FlightConfig& config, const PlaneCalibration& calibr
                                         calibration.figures, scatter));
   check.sigma0_with_effects = calibration.figures.sigma0 / std::sqrt(scatter.expected_ratio);
   check.p_value = check.SmallestPValue();
-  internal::AddFindings(config, calibration, &check);
+  internal::AddFindings(flight, calibration, &check);
   return check;
 }
 
 ModelCheck AssessModel(const Flight& flight, GaussHelmertCalibration* calibration) {
-  const auto start = Clock::now();
-  return AddCheck(CheckModel(flight, *calibration), start, calibration);
+  return CheckAndAssess(flight, calibration);
 }
 
 ModelCheck AssessModel(const Flight& flight, PlaneCalibration* calibration) {
-  const auto start = Clock::now();
-  return AddCheck(CheckModel(flight.config, *calibration), start, calibration);
+  return CheckAndAssess(flight, calibration);
 }
 
 }  // namespace dn

@@ -10,17 +10,6 @@
 #include "decision.h"
 
 namespace dn::internal {
-namespace {
-
-const HypothesisEvidence* Find(const std::vector<HypothesisEvidence>& effects,
-                               const std::string& name) {
-  const auto at = std::find_if(effects.begin(), effects.end(),
-                               [&](const auto& effect) { return effect.name == name; });
-  return at == effects.end() ? nullptr : &*at;
-}
-
-}  // namespace
-
 ForwardSelection::ForwardSelection(SelectionPolicy policy, Refit refit,
                                    std::unique_ptr<ExtendedFit> base)
     : policy_(std::move(policy)), refit_(std::move(refit)) {
@@ -55,7 +44,7 @@ void ForwardSelection::Revise() {
       Replace(Without(k));
       return;
     }
-    const HypothesisEvidence* own = Find(others->effects, name);
+    const HypothesisEvidence* own = FindByName(others->effects, name);
     if (own != nullptr && best->log_evidence < own->log_evidence + kReplacementLeadNats) {
       confirmed_[k] = others->effects;
       continue;
@@ -116,7 +105,7 @@ void ForwardSelection::ReconsiderNoise() {
     if (EffectRow(*chosen[k].id).fixed()) continue;
     const std::unique_ptr<ExtendedFit> others = TryFit(Without(k));
     const HypothesisEvidence* best = others ? Next(others->effects) : nullptr;
-    const HypothesisEvidence* own = others ? Find(others->effects, chosen[k].name) : nullptr;
+    const HypothesisEvidence* own = others ? FindByName(others->effects, chosen[k].name) : nullptr;
     if (best == nullptr || own == nullptr) continue;
     const bool another = best->log_evidence >= own->log_evidence + kReplacementLeadNats;
     const HypothesisEvidence refined = Refined(*others, another ? *best : *own);

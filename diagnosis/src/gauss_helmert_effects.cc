@@ -1,17 +1,16 @@
 #include "gauss_helmert_effects.h"
 
-#include <dn/rotation.h>
-
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <map>
 #include <utility>
 
+#include "climb_grid.h"
 #include "discrepancies.h"
 #include "evidence.h"
 #include "lidar_effects.h"
 #include "linear_pairs.h"
-#include "scale_steps.h"
 #include "score_selection.h"
 #include "time_correlated_errors.h"
 
@@ -25,6 +24,12 @@ using Eigen::Vector3d;
 constexpr int kWhiteSteps = 2;
 // The scale of the white noise includes the excess.
 constexpr double kNoExcess = 1.0;
+
+/// Scales as numbers of steps from the stated scales.
+struct ScaleSteps {
+  int position = 0, attitude = 0, white = 0;
+  auto operator<=>(const ScaleSteps&) const = default;
+};
 
 /// Evidence for a scale.
 struct ScaleEvidence {
@@ -41,7 +46,7 @@ class ScaleSearch {
       : errors_(errors), library_(library), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
-    const ScaleSteps noisy{0, 0, MaxWhite()};
+    const ScaleSteps noisy{0, 0, MaxWhiteSteps()};
     const ScaleSteps alone = Climb(noisy, &ScaleEvidence::errors_nats);
     for (const ScaleSteps start : {ScaleSteps{}, noisy, alone}) {
       const ScaleSteps top = Climb(start, &ScaleEvidence::total_nats);
@@ -77,12 +82,16 @@ class ScaleSearch {
     return known_.emplace(steps, std::move(evidence)).first->second;
   }
 
+  /// Climbs from a start to a scale that no neighbour exceeds.
   ScaleSteps Climb(const ScaleSteps& start, double ScaleEvidence::*height) {
-    return ClimbScales(start, {kMaxOctaves, kMaxOctaves, MaxWhite()},
-                       [&](const ScaleSteps& steps) { return At(steps).*height; });
+    return ClimbGrid(start,
+                     {{&ScaleSteps::position, kMaxOctaves},
+                      {&ScaleSteps::attitude, kMaxOctaves},
+                      {&ScaleSteps::white, MaxWhiteSteps()}},
+                     [&](const ScaleSteps& steps) { return At(steps).*height; });
   }
 
-  int MaxWhite() const { return sigma0_ > 1.0 ? kWhiteSteps : 0; }
+  int MaxWhiteSteps() const { return sigma0_ > 1.0 ? kWhiteSteps : 0; }
 
   const TimeCorrelatedErrorModel& errors_;
   const Library& library_;
@@ -100,11 +109,6 @@ Vector3d SigmaWithoutEffects(const TimeCorrelatedErrorModel& errors, const Error
 }
 
 }  // namespace
-
-Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration) {
-  return Log(Eigen::Quaterniond(Exp(calibration.boresight.angles_rad) *
-                                Exp(calibration.problem.boresight_rad).conjugate()));
-}
 
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {

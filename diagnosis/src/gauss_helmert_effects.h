@@ -2,7 +2,6 @@
 
 #include <dn/adjustment/gauss_helmert_flight.h>
 
-#include <Eigen/Core>
 #include <vector>
 
 namespace dn::internal {
@@ -27,8 +26,5 @@ struct GaussHelmertEffects {
 /// differ by strip.
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration);
-
-/// Returns the left rotation from the stated boresight to the estimated one.
-Eigen::Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration);
 
 }  // namespace dn::internal

@@ -1,6 +1,7 @@
 #include "hypothesis_evidence.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace dn::internal {
 
@@ -12,6 +13,40 @@ void SortByEvidence(std::vector<HypothesisEvidence>* effects) {
 bool Contains(const std::vector<HypothesisEvidence>& effects, EffectId id) {
   return std::any_of(effects.begin(), effects.end(),
                      [id](const HypothesisEvidence& effect) { return effect.id == id; });
+}
+
+const HypothesisEvidence* FindByName(const std::vector<HypothesisEvidence>& effects,
+                                     const std::string& name) {
+  for (const HypothesisEvidence& effect : effects) {
+    if (effect.name == name) return &effect;
+  }
+  return nullptr;
+}
+
+double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name) {
+  const HypothesisEvidence* effect = FindByName(effects, name);
+  return effect == nullptr ? -std::numeric_limits<double>::infinity() : effect->log_evidence;
+}
+
+const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects) {
+  const HypothesisEvidence* best = nullptr;
+  for (const HypothesisEvidence& effect : effects) {
+    if (effect.physical()) continue;
+    if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
+  }
+  return best;
+}
+
+double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects) {
+  const HypothesisEvidence* best = BestDiscrepancy(effects);
+  return best == nullptr ? 0.0 : std::max(0.0, best->log_evidence);
+}
+
+const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects) {
+  for (const HypothesisEvidence& effect : effects) {
+    if (effect.physical()) return &effect;
+  }
+  return nullptr;
 }
 
 GapCause ToCause(const HypothesisEvidence& effect) {

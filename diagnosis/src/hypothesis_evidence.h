@@ -4,6 +4,7 @@
 #include <dn/effects/effect_table.h>
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "hypothesis.h"
@@ -29,6 +30,19 @@ void SortByEvidence(std::vector<HypothesisEvidence>* effects);
 
 /// Returns whether one of the effects is this effect of the table.
 bool Contains(const std::vector<HypothesisEvidence>& effects, EffectId id);
+
+/// Returns the effect with this name; null if it is not in the list.
+const HypothesisEvidence* FindByName(const std::vector<HypothesisEvidence>& effects,
+                                     const std::string& name);
+/// Returns the evidence of the effect with this name; minus infinity if it is not in the list.
+double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name);
+/// Returns the most probable unmodelled discrepancy; null if there are none.
+const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects);
+/// Returns the largest evidence of an unmodelled discrepancy, at least 0.
+double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects);
+/// Returns the most probable effect of the table, from effects sorted by evidence; null if there
+/// are none.
+const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects);
 
 /// Converts an effect to the units of the table.
 GapCause ToCause(const HypothesisEvidence& effect);

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "gauss_helmert_effects.h"
-
 namespace dn::internal {
 namespace {
 
@@ -144,6 +142,11 @@ Matrix3d MisclosureCovariance(const GaussHelmertPair& pair, const PairLinearisat
   const auto B_i = at.B.leftCols<6>(), B_j = at.B.rightCols<6>();
   return pair.covariance_m2 + B_i * EndCovariance(pair.i, scale) * B_i.transpose() +
          B_j * EndCovariance(pair.j, scale) * B_j.transpose();
+}
+
+Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration) {
+  return Log(Eigen::Quaterniond(Exp(calibration.boresight.angles_rad) *
+                                Exp(calibration.problem.boresight_rad).conjugate()));
 }
 
 LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& calibration) {

@@ -32,6 +32,9 @@ struct LinearPairs {
 Eigen::Matrix3d MisclosureCovariance(const GaussHelmertPair& pair, const PairLinearisation& at,
                                      const ErrorScale& scale = {});
 
+/// Returns the left rotation from the stated boresight to the estimated one.
+Eigen::Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration);
+
 /// Linearises the kept pairs; of more than 20000 pairs, every n-th. The boresight and the accuracy
 /// of `calibration` must be set.
 LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& calibration);

@@ -202,10 +202,9 @@ void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibratio
   findings.Sort();
 }
 
-void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration,
-                 ModelCheck* check) {
+void AddFindings(const Flight& flight, const PlaneCalibration& calibration, ModelCheck* check) {
   Findings findings(check);
-  findings.JudgeDiagnosis(config);
+  findings.JudgeDiagnosis(flight.config);
   findings.JudgeVectors(calibration.origin, "");
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeSigma0(check->sigma0_with_effects);

@@ -11,7 +11,6 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
                  ModelCheck* check);
 void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
                  ModelCheck* check);
-void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration,
-                 ModelCheck* check);
+void AddFindings(const Flight& flight, const PlaneCalibration& calibration, ModelCheck* check);
 
 }  // namespace dn::internal

@@ -12,6 +12,7 @@
 #include <span>
 
 #include "pair_columns.h"
+#include "time_cells.h"
 
 namespace dn::internal {
 namespace {
@@ -22,10 +23,8 @@ constexpr std::size_t kMaxStepTimes = 6;
 // The samples are averaged over intervals of this length before they are used in derivatives.
 constexpr double kMeanInterval_s = 0.02;
 
-/// Returns times between strips at which the mount may have slipped, six at most.
-std::vector<double> StepTimes(std::vector<StripInterval> strips) {
-  std::sort(strips.begin(), strips.end(),
-            [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+/// Returns times between strips, in order of time, at which the mount may have slipped; six at most.
+std::vector<double> StepTimes(const std::vector<StripInterval>& strips) {
   std::vector<double> t_s;
   for (std::size_t k = 1; k < strips.size(); ++k) {
     t_s.push_back(0.5 * (strips[k - 1].t1_s + strips[k].t0_s));
@@ -91,7 +90,7 @@ class NetworkHypotheses {
     if (effect.make == nullptr) {
       AddBlock(effect, of_lidar);
     } else if (spec.timing == EffectTiming::kStart) {
-      for (const double t0_s : StepTimes(FindStrips(network_.flight()))) {
+      for (const double t0_s : StepTimes(InTime(FindStrips(network_.flight())))) {
         AddAtZero(MakeHypothesis(effect, {network_.flight(), {.t0_s = t0_s}}));
       }
     } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "climb_grid.h"
 #include "evidence.h"
 
 namespace dn::internal {
@@ -71,10 +72,6 @@ JointScore WithUnknowns(const JointScore& score, const MatrixXd& T) {
   return left;
 }
 
-ErrorScale MakeScale(const ScaleSteps& octaves, double white) {
-  return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
-}
-
 /// Returns the Occam factor of the evidence for scaled noise whose ln(ratio) is known to sigma.
 double NoisePrior(double ln_ratio, double sigma) {
   const double in_sigmas = ln_ratio / kLnNoiseSigma;
@@ -82,6 +79,10 @@ double NoisePrior(double ln_ratio, double sigma) {
 }
 
 }  // namespace
+
+ErrorScale PairFitter::MakeScale(const Octaves& octaves, double white) {
+  return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
+}
 
 /// Likelihood and screen at one error scale, with the chosen effects among the unknowns.
 struct PairFitter::Height {
@@ -100,7 +101,7 @@ class PairFitter::Search {
     const NoiseRatio noise = FindNoise(Climb({}, 1.0, std::nullopt));
     const double most = Contains(chosen_, kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
     white_ = Contains(chosen_, kNoise) ? most : std::max(most, fitter_.min_white_);
-    const ScaleSteps top = Climb({}, white_, std::nullopt);
+    const Octaves top = Climb({}, white_, std::nullopt);
     base_ = At(top, white_).of_errors;
     PairFit out;
     const Height& at_top = At(top, white_);
@@ -123,7 +124,7 @@ class PairFitter::Search {
   }
 
  private:
-  const Height& At(const ScaleSteps& octaves, double white) {
+  const Height& At(const Octaves& octaves, double white) {
     const auto key = std::make_pair(octaves, white);
     const auto known = heights_.find(key);
     if (known != heights_.end()) return known->second;
@@ -141,20 +142,20 @@ class PairFitter::Search {
     return heights_.emplace(key, std::move(height)).first->second;
   }
 
-  double HeightAt(const ScaleSteps& octaves, double white, std::optional<std::size_t> family) {
+  double HeightAt(const Octaves& octaves, double white, std::optional<std::size_t> family) {
     const Height& at = At(octaves, white);
     return at.of_errors + (family ? at.effects[*family].log_evidence : 0.0);
   }
 
   /// Climbs to the likeliest scale of the trajectory errors, with a family of effects or without.
-  ScaleSteps Climb(const ScaleSteps& start, double white, std::optional<std::size_t> family) {
-    return ClimbScales(start, {kMaxOctaves, kMaxOctaves, 0},
-                       [&](const ScaleSteps& octaves) { return HeightAt(octaves, white, family); });
+  Octaves Climb(const Octaves& start, double white, std::optional<std::size_t> family) {
+    return ClimbGrid(start, {{&Octaves::position, kMaxOctaves}, {&Octaves::attitude, kMaxOctaves}},
+                     [&](const Octaves& octaves) { return HeightAt(octaves, white, family); });
   }
 
-  HypothesisEvidence Judge(std::size_t family, const ScaleSteps& of_errors) {
-    ScaleSteps best = Climb({}, white_, family);
-    const ScaleSteps other = Climb(of_errors, white_, family);
+  HypothesisEvidence Judge(std::size_t family, const Octaves& of_errors) {
+    Octaves best = Climb({}, white_, family);
+    const Octaves other = Climb(of_errors, white_, family);
     if (HeightAt(other, white_, family) > HeightAt(best, white_, family)) best = other;
     HypothesisEvidence effect = At(best, white_).effects[family];
     effect.log_evidence = HeightAt(best, white_, family) - base_;
@@ -172,7 +173,7 @@ class PairFitter::Search {
   };
 
   /// Maximises the likelihood of ln(ratio) with Newton steps that start at the mean square.
-  NoiseRatio FindNoise(const ScaleSteps& octaves) {
+  NoiseRatio FindNoise(const Octaves& octaves) {
     const auto height = [&](double ln_ratio) {
       return fitter_.At(octaves, std::exp(ln_ratio)).log_likelihood;
     };
@@ -191,8 +192,8 @@ class PairFitter::Search {
     return {std::exp(x), 1.0 / std::sqrt(curvature)};
   }
 
-  HypothesisEvidence JudgeNoise(const ScaleSteps& of_errors, const NoiseRatio& noise) {
-    const ScaleSteps top = Climb(of_errors, noise.ratio, std::nullopt);
+  HypothesisEvidence JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
+    const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
     HypothesisEvidence effect{MakeHypothesis(kNoise)};
     effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
                           NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
@@ -203,7 +204,7 @@ class PairFitter::Search {
     return effect;
   }
 
-  void EstimateChosen(const ScaleSteps& top, PairFit* out) {
+  void EstimateChosen(const Octaves& top, PairFit* out) {
     out->chosen = chosen_;
     const JointScore& score = fitter_.At(top, white_).score;
     const Combinations combined = Combine(chosen_, score);
@@ -227,7 +228,7 @@ class PairFitter::Search {
   const std::vector<HypothesisEvidence>& chosen_;
   double white_ = 1.0;
   double base_ = 0.0;
-  std::map<std::pair<ScaleSteps, double>, Height> heights_;
+  std::map<std::pair<Octaves, double>, Height> heights_;
 };
 
 PairFitter::PairFitter(const PairLibrary& library, const LinearPairs& pairs,
@@ -249,7 +250,7 @@ double PairFitter::NoiseEvidence(double chi2) const {
          NoisePrior(0.5 * std::log(ratio), 1.0 / std::sqrt(2.0 * observations_));
 }
 
-const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const ScaleSteps& octaves,
+const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const Octaves& octaves,
                                                               double white) {
   const auto key = std::make_pair(octaves, white);
   const auto known = known_.find(key);

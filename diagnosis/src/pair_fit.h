@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <map>
 #include <memory>
 #include <utility>
@@ -9,7 +10,6 @@
 #include "forward_selection.h"
 #include "linear_pairs.h"
 #include "pair_library.h"
-#include "scale_steps.h"
 #include "screen.h"
 #include "time_correlated_errors.h"
 
@@ -52,16 +52,21 @@ class PairFitter {
   double NoiseEvidence(double chi2) const;
 
  private:
+  struct Octaves {
+    int position = 0, attitude = 0;
+    auto operator<=>(const Octaves&) const = default;
+  };
   struct Height;
   class Search;
-  const TimeCorrelatedErrorModel::ScaleSolution& At(const ScaleSteps& octaves, double white);
+  static ErrorScale MakeScale(const Octaves& octaves, double white);
+  const TimeCorrelatedErrorModel::ScaleSolution& At(const Octaves& octaves, double white);
 
   const PairLibrary& library_;
   TimeCorrelatedErrorModel errors_;
   bool with_noise_scale_;
   double observations_ = 0.0;
   double min_white_ = 1.0;  // ratio of the pairs' own noise to its upper limit
-  std::map<std::pair<ScaleSteps, double>, TimeCorrelatedErrorModel::ScaleSolution> known_;
+  std::map<std::pair<Octaves, double>, TimeCorrelatedErrorModel::ScaleSolution> known_;
 };
 
 }  // namespace dn::internal

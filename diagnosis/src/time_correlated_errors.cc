@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "time_cells.h"
+
 namespace dn::internal {
 namespace {
 
@@ -31,9 +33,8 @@ struct StripUnknowns {
 };
 
 /// Merges neighbouring strips if there are very many, so that they share their errors.
-std::vector<StripInterval> Merged(std::vector<StripInterval> strips) {
-  std::sort(strips.begin(), strips.end(),
-            [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+std::vector<StripInterval> Merged(const std::vector<StripInterval>& unsorted) {
+  const std::vector<StripInterval> strips = InTime(unsorted);
   const std::size_t together = 1 + (strips.size() - 1) / kMaxSeparateStrips;
   std::vector<StripInterval> merged;
   for (std::size_t k = 0; k < strips.size(); ++k) {

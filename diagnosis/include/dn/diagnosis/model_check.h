@@ -89,7 +89,7 @@ ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calib
 /// Tests the model of a plane adjustment. Contradictions are points with more than twice their
 /// stated variance about the planes, and an angle above 15 deg. Errors of the lidar (time tags,
 /// lever arm, ranges, scan angles) are not tested.
-ModelCheck CheckModel(const FlightConfig& config, const PlaneCalibration& calibration);
+ModelCheck CheckModel(const Flight& flight, const PlaneCalibration& calibration);
 
 /// Tests the model of a calibration (CheckModel), and adds the findings to its boresight (Assess).
 ModelCheck AssessModel(const Flight& flight, GaussHelmertCalibration* calibration);
