@@ -1,6 +1,6 @@
 /// real_data DATA_DIR: computes the results of `dn smooth` for measured flights; its figures are in
 /// docs/validation/real-data.md.
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/solvers/prediction.h>
 #include <fmt/format.h>
 

@@ -6,9 +6,9 @@
 /// into the data, and the flight is diagnosed again. The size of an error is a multiple of that
 /// above which its effect should be named. The size of the error is estimated as the difference of
 /// the estimates with and without it.
-#include <dn/adjustment/solution.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/effects/effect_table.h>
 #include <dn/geo/nearest_pose.h>
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 //
 // Prints errors and standard deviations of position and attitude at a few epochs. The rms of the
 // normalised errors, also printed, is 1 if the sigmas are correct.
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/sim/simulate.h>
 
 #include <cmath>

@@ -2,8 +2,8 @@
 //
 // Prints the true angles, and the estimates with their standard deviations. Also prints the
 // correlation of the boresight with the biases, and whether the data agree with the model.
-#include <dn/adjustment/solution.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/sim/simulate.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // LidarPoint provides the point of a lidar end as a template; this factor only defines how a range
 // is read. The flight is simulated with ranges that are 1000 ppm too long. Prints the scale, and
 // the boresight with and without the unknown, compared with the truth.
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/sim/simulate.h>
 

@@ -66,12 +66,12 @@ void PrintAssessment(const BoresightResult& boresight) {
 }
 
 /// Prints the effects that may be present without being detected.
-void PrintUnseen(const std::vector<UndetectableEffect>& unseen) {
+void PrintUndetectable(const std::vector<UndetectableEffect>& undetectable) {
   constexpr std::size_t kMaxPrinted = 3;
-  if (unseen.empty()) return;
+  if (undetectable.empty()) return;
   fmt::print("effects not detectable at their typical size (dn gap lists more):\n");
-  for (std::size_t k = 0; k < std::min(kMaxPrinted, unseen.size()); ++k) {
-    const UndetectableEffect& one = unseen[k];
+  for (std::size_t k = 0; k < std::min(kMaxPrinted, undetectable.size()); ++k) {
+    const UndetectableEffect& one = undetectable[k];
     const std::string shows = std::isfinite(one.minimal_detectable)
                                   ? fmt::format("detectable from {:.2g}", one.minimal_detectable)
                                   : "never detectable";
@@ -125,7 +125,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintClocks(flight_run.solution->model_check().clocks);
   PrintAssessment(boresight);
-  PrintUnseen(flight_run.solution->model_check().unseen);
+  PrintUndetectable(flight_run.solution->model_check().undetectable);
   PrintTimes(flight_run.timings);
 }
 
@@ -225,6 +225,7 @@ void ExpectTrajectory(const CalibrateOptions& options, const FlightConfig& confi
 
 struct GaussHelmertRun {
   GaussHelmertCalibration calibration;
+  ModelCheck check;
   RunTimings timings;
 };
 
@@ -233,7 +234,8 @@ GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run
   options.threads = run->options().threads;
   options.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
   options.interrupted = [] { return apps::SignalReceived(); };
-  GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}};
+  GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}, {}};
+  out.check = AssessModel(flight, &out.calibration);
   out.timings.read_s = read_s;
   out.timings.solve_s = out.calibration.solve_time_s;
   out.timings.covariance_s = out.calibration.covariance_time_s;
@@ -328,8 +330,9 @@ void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
   AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->ToMapPoses(flight.frame)), run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
-  run->AddFile("result" + suffix + ".json",
-               FormatJson(CalibrationJson(flight.config.name, gh.calibration, pairs, gh.timings)));
+  run->AddFile(
+      "result" + suffix + ".json",
+      FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.check, pairs, gh.timings)));
 }
 
 void RunGaussHelmert(const FlightConfig& config, Run& run) {
@@ -353,9 +356,9 @@ PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight
 
 void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std::string& suffix,
                    Run* run) {
-  run->AddFile(
-      "result" + suffix + ".json",
-      FormatJson(CalibrationJson(config.name, planes.calibration, planes.strips, planes.timings)));
+  run->AddFile("result" + suffix + ".json",
+               FormatJson(CalibrationJson(config.name, planes.calibration, planes.check,
+                                          planes.strips, planes.timings)));
   run->report["planes"] = PlaneReportJson(planes);
 }
 

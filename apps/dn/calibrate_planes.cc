@@ -49,6 +49,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
   calibrate.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
   calibrate.interrupted = [] { return apps::SignalReceived(); };
   out.calibration = CalibratePlanes(flight, std::move(shared.planes), calibrate);
+  out.check = AssessModel(flight, &out.calibration);
   out.timings.solve_s = out.calibration.solve_time_s;
   out.timings.covariance_s = out.calibration.covariance_time_s;
   out.timings.total_s = out.timings.read_s + out.timings.solve_s + out.timings.covariance_s;

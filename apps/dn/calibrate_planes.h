@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/adjustment/plane_flight.h>
-#include <dn/adjustment/result_files.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/files/flight.h>
 
 #include <string>
@@ -14,6 +14,7 @@ namespace dn::apps {
 /// Result of the plane calibration of a flight.
 struct PlaneRun {
   PlaneCalibration calibration;
+  ModelCheck check;
   std::vector<std::string> strips;  ///< names
   Json extraction;                  ///< counts of the plane extraction
   RunTimings timings;

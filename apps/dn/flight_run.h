@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/adjustment/result_files.h>
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/result_files.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/files/flight.h>
 
 #include <optional>

@@ -1,7 +1,7 @@
-#include <dn/adjustment/result_files.h>
 #include <dn/config/yaml_value.h>
 #include <dn/diagnosis/limits.h>
 #include <dn/diagnosis/report.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
 #include <dn/study/remedies.h>

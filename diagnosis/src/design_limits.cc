@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "decision.h"
-#include "hidden_effects.h"
+#include "detection_limits.h"
 #include "screen.h"
 #include "stopwatch.h"
 #include "unavailable.h"

@@ -122,21 +122,21 @@ Json Fingerprint(const std::vector<FingerprintValue>& values) {
                     {"value", Number(value.value)},
                     {"null_mean", Number(value.null_mean)},
                     {"null_sigma", Number(value.null_sigma)},
-                    {"twin_mean", Number(value.twin_mean)},
-                    {"twin_sigma", Number(value.twin_sigma)}});
+                    {"twin_mean", Number(value.simulated_mean)},
+                    {"twin_sigma", Number(value.simulated_sigma)}});
   }
   return list;
 }
 
 Json Validity(const GapValidity& validity) {
   return {{"observations", validity.observations},
-          {"twins", validity.twins},
-          {"full_twins", validity.full_twins},
+          {"twins", validity.replicates},
+          {"full_twins", validity.simulated_replicates},
           {"alpha", Number(validity.alpha)},
           {"tests", validity.tests},
           {"aa_p_value", Number(validity.aa_p_value)},
           {"full_against_linear_p", Number(validity.full_against_linear_p)},
-          {"like_twins_p", Number(validity.like_twins_p)},
+          {"like_twins_p", Number(validity.like_replicates_p)},
           {"notes", validity.notes}};
 }
 

@@ -51,21 +51,22 @@ void AddSpan(double middle, double half, double row, PlotSeries* spans) {
 
 std::optional<GapPlot> FingerprintPlot(const GapDiagnosis& d) {
   PlotSeries model{"model, 95 %", {}, PlotStyle::kSpans};
-  PlotSeries twins{"replicates with the effects, 95 %", {}, PlotStyle::kSpans};
+  PlotSeries simulated{"replicates with the effects, 95 %", {}, PlotStyle::kSpans};
   PlotSeries flight{"flight", {}, PlotStyle::kBars};
   PlotPanel panel;
   for (const FingerprintValue& value : MostDeviating(d.fingerprint)) {
     const auto row = static_cast<double>(panel.rows.size());
     flight.points.emplace_back(Deviation(value), row);
     AddSpan(0.0, kSigmasOfBand, row - kSpanOffset, &model);
-    if (value.twin_mean && value.twin_sigma) {
-      AddSpan((*value.twin_mean - value.null_mean) / value.null_sigma,
-              kSigmasOfBand * *value.twin_sigma / value.null_sigma, row + kSpanOffset, &twins);
+    if (value.simulated_mean && value.simulated_sigma) {
+      AddSpan((*value.simulated_mean - value.null_mean) / value.null_sigma,
+              kSigmasOfBand * *value.simulated_sigma / value.null_sigma, row + kSpanOffset,
+              &simulated);
     }
     panel.rows.push_back(value.name);
   }
   if (panel.rows.empty()) return std::nullopt;
-  panel.series = {flight, model, twins};
+  panel.series = {flight, model, simulated};
   return GapPlot{"fingerprint.svg",
                  d.flight + ": statistics that differ from the model",
                  "difference from the mean of the model [its sigmas]",

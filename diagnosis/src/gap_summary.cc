@@ -27,7 +27,7 @@ std::string SizeLines(const GapDiagnosis& d) {
   std::string text = fmt::format(
       "gap       {}, {} ({} replicates); {:.3g} nats per observation, {:.3g} .. {:.3g} without a "
       "gap,\n          at most {:.3g}\n",
-      d.detected ? "yes" : "none found", internal::PWords(d.p_value), d.validity.twins,
+      d.detected ? "yes" : "none found", internal::PWords(d.p_value), d.validity.replicates,
       d.size.value, d.size.null_low, d.size.null_high, d.size.upper_limit_95);
   const GapUserUnits& units = d.user_units;
   std::vector<std::string> parts;
@@ -132,19 +132,19 @@ std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
 
 std::string ValidityLines(const GapValidity& validity) {
   std::string text = "no replicates";
-  if (validity.twins > 0) {
-    text = fmt::format("{} linear replicates (against each other {})", validity.twins,
+  if (validity.replicates > 0) {
+    text = fmt::format("{} linear replicates (against each other {})", validity.replicates,
                        internal::PWords(validity.aa_p_value));
   }
-  if (validity.full_twins > 0)
-    text += fmt::format(", {} simulated replicates", validity.full_twins);
+  if (validity.simulated_replicates > 0)
+    text += fmt::format(", {} simulated replicates", validity.simulated_replicates);
   if (validity.full_against_linear_p) {
     text += fmt::format(" (against the linear ones {})",
                         internal::PWords(*validity.full_against_linear_p));
   }
-  if (validity.like_twins_p) {
+  if (validity.like_replicates_p) {
     text += fmt::format("; flight among replicates with the effects: p = {}",
-                        P(*validity.like_twins_p));
+                        P(*validity.like_replicates_p));
   }
   for (const std::string& note : validity.notes) text += "; " + note;
   return "trust     " + WrapText(text, "          ");

@@ -26,13 +26,12 @@ double LogWeight(const Network& net, const FoldFactor& factor) {
 }
 
 /// Returns the most probable effects that the model lacks.
-std::vector<FoldDensity::Further> LikeliestFurther(const ExtendedFit& explained) {
+std::vector<FoldDensity::Further> LikeliestFurther(const NetworkFit& fit) {
   std::vector<FoldDensity::Further> further;
-  const Library& library = explained.screen->library();
-  for (const ScreenedEffect& effect : explained.screen->Effects()) {
+  const Library& library = fit.screen->library();
+  for (const HypothesisEvidence& effect : fit.screen->Effects()) {
     if (further.size() >= kMostFurther) break;
-    const Candidate& candidate = library.candidates[effect.candidate];
-    further.push_back({CandidateModel(candidate, library), candidate.typical});
+    further.push_back({SelectColumns(effect, library), effect.typical});
   }
   return further;
 }
@@ -148,13 +147,15 @@ std::optional<Eigen::VectorXd> FoldDensity::LogDensity(
   return log_p;
 }
 
-HeldOutGains MeasureHeldOut(const ExtendedFit& without, const ExtendedFit& with,
+HeldOutGains MeasureHeldOut(const NetworkFit& without, const NetworkFit& with,
                             const HeldOutOptions& options) {
   const FlightNetwork& network = with.solution->network();
   const std::vector<CommonFold> folds =
       CommonFolds(without.solution->network(), network, options.num_per_kind);
   std::vector<std::optional<Network>> but_one;
-  for (const GapCause& cause : with.causes) but_one.push_back(WithoutCause(network, cause.effect));
+  for (const HypothesisEvidence& effect : with.chosen) {
+    but_one.push_back(WithoutCause(network, effect.name));
+  }
   std::vector<std::optional<FoldDensity>> densities_but_one(but_one.size());
   for (std::size_t k = 0; k < but_one.size(); ++k) {
     if (but_one[k]) densities_but_one[k].emplace(*but_one[k], std::vector<FoldDensity::Further>{});
@@ -172,7 +173,7 @@ HeldOutGains MeasureHeldOut(const ExtendedFit& without, const ExtendedFit& with,
       out.but_one.push_back(density ? density->LogDensity(fold.with) : std::nullopt);
     }
   });
-  return SumFolds(of_folds, with.causes.size());
+  return SumFolds(of_folds, with.chosen.size());
 }
 
 }  // namespace dn::internal

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "explained_flight.h"
 #include "folds.h"
+#include "network_fit.h"
 
 namespace dn::internal {
 
@@ -40,7 +40,7 @@ struct HeldOutOptions {
 /// An effect k that the network lacks adds log BF_k of all data minus log BF_k of the data outside
 /// the fold (SizeAveragedEvidence). This averages over its size: M becomes M - M L (I / v + A)^-1
 /// L^T M. Measurements that either adjustment left out are in no fold. Throws Interrupted.
-HeldOutGains MeasureHeldOut(const ExtendedFit& without, const ExtendedFit& with,
+HeldOutGains MeasureHeldOut(const NetworkFit& without, const NetworkFit& with,
                             const HeldOutOptions& options);
 
 /// Log predictive density log p(y_B | y_-B) of factors of a network at its values, nats, and its

@@ -1,7 +1,5 @@
 #include "library.h"
 
-#include <dn/adjustment/candidate_effects.h>
-#include <dn/adjustment/laser_departures.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <map>
 #include <utility>
 
-#include "generic_effects.h"
+#include "discrepancies.h"
+#include "network_hypotheses.h"
 
 namespace dn::internal {
 namespace {
@@ -17,19 +16,6 @@ namespace {
 constexpr double kShortestPeriodS = 30.0;
 constexpr int kMostGnssCosines = 60, kMostBiasCosines = 24;
 constexpr double kNetworkTausS[] = {10.0, 40.0, 160.0, 640.0};
-
-Candidate Physical(EffectId id, std::size_t block) {
-  const EffectSpec& spec = EffectRow(id);
-  Candidate candidate;
-  candidate.name = spec.name;
-  candidate.id = id;
-  candidate.block = block;
-  candidate.unit = spec.components[0].unit;
-  candidate.per_si = 1.0 / spec.components[0].to_si;
-  const Eigen::VectorXd typical = TypicalInSi(spec);
-  candidate.typical = typical.head(typical.size() - (spec.process() ? 1 : 0));
-  return candidate;
-}
 
 class LibraryMaker {
  public:
@@ -46,14 +32,18 @@ class LibraryMaker {
 
   Library Run() {
     ListShapes();
-    std::vector<UserEffect> own;
-    for (const Shape& shape : shapes_) own.push_back(shape.effect);
-    std::vector<CandidateEffect> found = CandidateEffects(network_, options_.threads, own);
-    const auto first_own = found.end() - static_cast<std::ptrdiff_t>(own.size());
-    for (auto at = found.begin(); at != first_own; ++at) AddFixed(std::move(*at));
-    for (std::size_t k = 0; k < shapes_.size(); ++k) {
-      CandidateEffect& shape = *(first_own + static_cast<std::ptrdiff_t>(k));
-      if (!shape.model.empty()) (this->*shapes_[k].add)(std::move(shape));
+    std::vector<Hypothesis> discrepancies;
+    for (const Shape& shape : shapes_) discrepancies.push_back(shape.discrepancy);
+    Library found = MakeNetworkHypotheses(network_, options_.threads, discrepancies);
+    const std::size_t first_shape = found.hypotheses.size() - shapes_.size();
+    for (std::size_t k = 0; k < found.hypotheses.size(); ++k) {
+      Hypothesis& hypothesis = found.hypotheses[k];
+      EffectModel& columns = found.blocks[k];
+      if (k < first_shape) {
+        AddFixed(std::move(hypothesis), std::move(columns));
+      } else if (!columns.empty()) {
+        (this->*shapes_[k - first_shape].add)(std::move(hypothesis), std::move(columns));
+      }
     }
     AddBiasProcesses(EffectId::kGyroBiasProcess, "gyro bias oscillation", network_.gyro_bias);
     AddBiasProcesses(EffectId::kAccelBiasProcess, "accel bias oscillation", network_.accel_bias);
@@ -61,10 +51,10 @@ class LibraryMaker {
   }
 
  private:
-  /// Columns of an unmodelled discrepancy, and the function that makes candidates from them.
+  /// An unmodelled discrepancy, and the function that makes hypotheses from its columns.
   struct Shape {
-    UserEffect effect;
-    void (LibraryMaker::*add)(CandidateEffect shape);
+    Hypothesis discrepancy;
+    void (LibraryMaker::*add)(Hypothesis shape, EffectModel columns);
   };
 
   void ListShapes() {
@@ -99,50 +89,34 @@ class LibraryMaker {
     return path;
   }
 
-  std::size_t AddBlock(EffectModel model) {
-    library_.blocks.push_back(std::move(model));
-    return library_.blocks.size() - 1;
-  }
-
-  void AddFixed(CandidateEffect effect) {
-    const EffectId id = FindEffect(effect.name)->id;
+  void AddFixed(Hypothesis effect, EffectModel columns) {
     // Steps of the boresight are made elsewhere, from its cells.
-    if (!options_.Wanted(id) || id == EffectId::kBoresightStep) return;
-    Candidate candidate = Physical(id, AddBlock(std::move(effect.model)));
-    candidate.times = effect.times;
-    library_.candidates.push_back(std::move(candidate));
+    if (!options_.Wanted(*effect.id) || effect.id == EffectId::kBoresightStep) return;
+    library_.Add(std::move(effect), std::move(columns));
   }
 
-  void AddGeneric(CandidateEffect shape) {
-    const std::size_t block = AddBlock(std::move(shape.model));
-    AddGeneric(shape, block);
+  void AddGeneric(Hypothesis shape, EffectModel columns) {
+    library_.Add(std::move(shape), std::move(columns));
   }
 
-  void AddGeneric(const CandidateEffect& shape, std::size_t block) {
-    library_.candidates.push_back(MakeDiscrepancy(shape.name, block, shape.typical));
+  void AddGnssCells(Hypothesis shape, EffectModel columns) {
+    shape.block = library_.AddBlock(std::move(columns));
+    AddGnssSteps(shape.block);
+    library_.hypotheses.push_back(std::move(shape));
   }
 
-  void AddGnssCells(CandidateEffect shape) {
-    const std::size_t block = AddBlock(std::move(shape.model));
-    AddGnssSteps(block);
-    AddGeneric(shape, block);
-  }
-
-  void AddGnssCosines(CandidateEffect shape) {
-    const std::size_t block = AddBlock(std::move(shape.model));
+  void AddGnssCosines(Hypothesis shape, EffectModel columns) {
+    const std::size_t block = library_.AddBlock(std::move(columns));
     AddProcesses(EffectId::kGnssCorrelatedNoise, block, gnss_cosines_);
     AddPeriods("GNSS oscillation", block, gnss_cosines_, shape.typical.head<3>());
   }
 
-  void AddBoresightCells(CandidateEffect shape) {
-    const std::size_t block = AddBlock(std::move(shape.model));
-    AddBoresightSteps(block);
-    AddGeneric(shape, block);
+  void AddBoresightCells(Hypothesis shape, EffectModel columns) {
+    AddBoresightTimes(std::move(shape), std::move(columns), boresight_cells_, options_, &library_);
   }
 
-  void AddBoresightSettling(CandidateEffect shape) {
-    const std::size_t block = AddBlock(std::move(shape.model));
-    AddSettling(shape.name, block, SettlingTausS(strips_), shape.typical, &library_);
+  void AddBoresightSettling(Hypothesis shape, EffectModel columns) {
+    AddSettling(shape, std::move(columns), SettlingTausS(strips_), &library_);
   }
 
   void AddGnssSteps(std::size_t block) {
@@ -151,23 +125,13 @@ class LibraryMaker {
     for (int first = 0; first < n; ++first) {
       for (int past = first + 1; past <= n; ++past) {
         if (past - first == n) continue;  // a shift of the whole flight changes only the datum
-        Candidate step = Physical(EffectId::kGnssPositionStep, block);
+        Hypothesis step = MakeHypothesis(EffectId::kGnssPositionStep, block);
         step.cells = CellRange{first, past};
         const double end_s =
             past < n ? gnss_cells_.start_s[static_cast<std::size_t>(past)] : begin_s_ + length_s_;
         step.times.window_s = {{gnss_cells_.start_s[static_cast<std::size_t>(first)], end_s}};
-        library_.candidates.push_back(std::move(step));
+        library_.hypotheses.push_back(std::move(step));
       }
-    }
-  }
-
-  void AddBoresightSteps(std::size_t block) {
-    if (!options_.Wanted(EffectId::kBoresightStep)) return;
-    for (int cell = 1; cell < boresight_cells_.count(); ++cell) {
-      Candidate step = Physical(EffectId::kBoresightStep, block);
-      step.cells = CellRange{cell, boresight_cells_.count()};
-      step.times.t0_s = boresight_cells_.start_s[static_cast<std::size_t>(cell)];
-      library_.candidates.push_back(std::move(step));
     }
   }
 
@@ -185,7 +149,7 @@ class LibraryMaker {
     if (!options_.Wanted(id)) return;
     for (const double tau_s : kNetworkTausS) {
       if (tau_s > 0.5 * length_s_) continue;
-      Candidate process = Physical(id, block);
+      Hypothesis process = MakeHypothesis(id, block);
       const Eigen::Vector3d axes = Axes(EffectRow(id));
       const Eigen::VectorXd of_cosine = cosines.GaussMarkov(tau_s);
       process.typical.resize(3 * of_cosine.size());
@@ -193,7 +157,7 @@ class LibraryMaker {
         process.typical.segment<3>(3 * k) = of_cosine[k] * axes;
       }
       process.tau_s = tau_s;
-      library_.candidates.push_back(std::move(process));
+      library_.hypotheses.push_back(std::move(process));
     }
   }
 
@@ -202,10 +166,10 @@ class LibraryMaker {
   void AddPeriods(const std::string& words, std::size_t block, const Cosines& cosines,
                   const Eigen::Vector3d& axes) {
     for (int k = 1; k + 1 < cosines.count; ++k) {
-      Candidate wave = MakeDiscrepancy(words, block, axes.replicate<2, 1>());
-      wave.cells = CellRange{k, k + 2, 3, false};
+      Hypothesis wave =
+          MakeDiscrepancy(words, block, CellRange{k, k + 2, 3, false}, axes.replicate<2, 1>());
       wave.period_s = 2.0 / (cosines.FrequencyHz(k) + cosines.FrequencyHz(k + 1));
-      library_.candidates.push_back(std::move(wave));
+      library_.hypotheses.push_back(std::move(wave));
     }
   }
 
@@ -229,7 +193,7 @@ class LibraryMaker {
       }
       AddBias(edge.id, blocks, &model);
     }
-    const std::size_t block = AddBlock(std::move(model));
+    const std::size_t block = library_.AddBlock(std::move(model));
     AddProcesses(id, block, bias_cosines_);
     AddPeriods(words, block, bias_cosines_, Axes(EffectRow(id)));
   }
@@ -262,14 +226,6 @@ class LibraryMaker {
   Library library_;
 };
 
-/// Returns the rows of X that belong to a candidate.
-Eigen::MatrixXd CandidateRows(const Candidate& candidate, const JointScore& score,
-                              const Eigen::Ref<const Eigen::MatrixXd>& X) {
-  const Eigen::Index first = score.first[candidate.block];
-  const auto of_block = X.middleRows(first, score.first[candidate.block + 1] - first);
-  return candidate.cells ? candidate.cells->Rows(of_block) : Eigen::MatrixXd(of_block);
-}
-
 }  // namespace
 
 bool LibraryOptions::Wanted(const std::string& effect) const {
@@ -284,76 +240,29 @@ Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linea
   return LibraryMaker(network, linearized, options).Run();
 }
 
-Candidate MakeDiscrepancy(const std::string& name, std::size_t block,
-                          const Eigen::VectorXd& typical) {
-  Candidate candidate;
-  candidate.name = name;
-  candidate.block = block;
-  candidate.typical = typical;
-  candidate.unit = "1";
-  return candidate;
-}
-
-void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
-                 const Eigen::VectorXd& typical, Library* library) {
-  for (int k = 0; k < static_cast<int>(taus_s.size()); ++k) {
-    Candidate settling = MakeDiscrepancy(name, block, typical.segment<3>(3 * k));
-    settling.cells = CellRange{k, k + 1};
-    settling.decay_s = taus_s[static_cast<std::size_t>(k)];
-    library->candidates.push_back(std::move(settling));
-  }
-}
-
-Eigen::MatrixXd CellRange::Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
-  if (!in_common) return X.middleRows(width * first, width * (past - first));
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(width, X.cols());
-  for (Eigen::Index column = 0; column < X.cols(); ++column) {
-    const double* const x = X.col(column).data();
-    for (int k = first; k < past; ++k) {
-      for (int r = 0; r < width; ++r) sum(r, column) += x[width * k + r];
+void AddBoresightTimes(Hypothesis by_cell, EffectModel columns, const TimeCells& cells,
+                       const LibraryOptions& options, Library* library) {
+  by_cell.block = library->AddBlock(std::move(columns));
+  if (options.Wanted(EffectId::kBoresightStep)) {
+    for (int cell = 1; cell < cells.count(); ++cell) {
+      Hypothesis step = MakeHypothesis(EffectId::kBoresightStep, by_cell.block);
+      step.cells = CellRange{cell, cells.count()};
+      step.times.t0_s = cells.start_s[static_cast<std::size_t>(cell)];
+      library->hypotheses.push_back(std::move(step));
     }
   }
-  return sum;
+  library->hypotheses.push_back(std::move(by_cell));
 }
 
-EffectModel CandidateModel(const Candidate& candidate, const Library& library) {
-  EffectModel model = library.blocks[candidate.block];
-  if (!candidate.cells) return model;
-  for (EffectPart& part : model) part.L = candidate.cells->Rows(part.L.transpose()).transpose();
-  return model;
-}
-
-Eigen::VectorXd CandidateScore(const Candidate& candidate, const JointScore& score,
-                               const Eigen::VectorXd& s) {
-  return CandidateRows(candidate, score, s);
-}
-
-Eigen::MatrixXd CandidateInformation(const Candidate& candidate, const JointScore& score) {
-  return CandidateInformation(candidate, candidate, score);
-}
-
-Eigen::MatrixXd CandidateInformation(const Candidate& a, const Candidate& b,
-                                     const JointScore& score) {
-  // Only few columns of a are needed for a range of cells, so they are selected first.
-  const Eigen::Index first = score.first[a.block];
-  if (!a.cells) {
-    return CandidateRows(b, score, score.A.middleCols(first, score.first[a.block + 1] - first))
-        .transpose();
+void AddSettling(const Hypothesis& settling, EffectModel columns, const std::vector<double>& taus_s,
+                 Library* library) {
+  const std::size_t block = library->AddBlock(std::move(columns));
+  for (int k = 0; k < static_cast<int>(taus_s.size()); ++k) {
+    Hypothesis one = MakeDiscrepancy(settling.name, block, CellRange{k, k + 1},
+                                     settling.typical.segment<3>(3 * k));
+    one.decay_s = taus_s[static_cast<std::size_t>(k)];
+    library->hypotheses.push_back(std::move(one));
   }
-  CellRange cells = *a.cells;
-  const Eigen::Index begin = first + cells.width * cells.first;
-  cells.past -= cells.first;
-  cells.first = 0;
-  return cells.Rows(
-      CandidateRows(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
-}
-
-Eigen::VectorXd CandidateSignature(const Candidate& candidate, const JointScore& score) {
-  return CandidateRows(candidate, score, score.signature2);
-}
-
-Eigen::MatrixXd CandidateShift(const Candidate& candidate, const JointScore& score) {
-  return CandidateRows(candidate, score, score.shift.transpose()).transpose();
 }
 
 }  // namespace dn::internal

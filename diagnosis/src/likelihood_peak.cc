@@ -101,9 +101,9 @@ class PeakSearch {
   /// Adds a place beyond an end, at twice the last distance. Returns false if the end is a bound.
   bool Extend(bool below) {
     const double end = below ? known_.begin()->first : known_.rbegin()->first;
-    const double beside =
+    const double neighbour =
         below ? std::next(known_.begin())->first : std::next(known_.rbegin())->first;
-    const double next = std::clamp(end + 2.0 * (end - beside), low_, high_);
+    const double next = std::clamp(end + 2.0 * (end - neighbour), low_, high_);
     if (next == end) return false;
     Ask(next);
     return true;

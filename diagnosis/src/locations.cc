@@ -10,7 +10,7 @@
 #include <map>
 #include <numbers>
 
-#include "generic_effects.h"
+#include "time_cells.h"
 
 namespace dn::internal {
 namespace {

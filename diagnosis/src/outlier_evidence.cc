@@ -35,9 +35,9 @@ double PartSeen(double largest_m, double mean_m) {
 
 }  // namespace
 
-ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
-                             const std::vector<double>& lengths_m) {
-  ScreenedEffect effect = MakeUnscreened(id);
+HypothesisEvidence OutlierEffect(EffectId id, long found, long of_all, double usual,
+                                 const std::vector<double>& lengths_m) {
+  HypothesisEvidence effect{MakeHypothesis(id)};
   effect.log_evidence = Evidence(found, of_all, usual);
   effect.p_value = std::min(1.0, std::exp(-effect.log_evidence));
   double largest_m = 0.0, sum_m = 0.0;

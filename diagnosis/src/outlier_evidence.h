@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "screen.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::internal {
 
@@ -14,8 +14,8 @@ namespace dn::internal {
 /// `lengths_m` are the misclosures of the rejected measurements. Outlier lengths are assumed to be
 /// uniform up to the size, the largest one found. Outliers too short to be rejected are added to
 /// the estimated fraction; it follows from the mean of the lengths.
-ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
-                             const std::vector<double>& lengths_m);
+HypothesisEvidence OutlierEffect(EffectId id, long found, long of_all, double usual,
+                                 const std::vector<double>& lengths_m);
 
 /// Returns the variance that outliers too short to be rejected add to the measurements in use, per
 /// axis, in units of sigma_m^2. With lengths uniform up to size_m, those below c = norm * sigma_m

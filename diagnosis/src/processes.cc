@@ -16,8 +16,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "changed_network.h"
 #include "likelihood_peak.h"
-#include "network_beside.h"
 #include "time_constant.h"
 
 namespace dn::internal {
@@ -153,7 +153,7 @@ class Trial {
 };
 
 /// Writes size and time constant of a process into an effect.
-void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
+void Take(const ProcessEstimate& process, HypothesisEvidence* effect) {
   const EffectSpec& spec = EffectRow(*effect->id);
   const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
   for (Eigen::Index k = 0; k < last; ++k) {
@@ -167,7 +167,7 @@ void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
 
 }  // namespace
 
-void EvaluateProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
+void EvaluateProcess(const FlightNetwork& solved, int threads, HypothesisEvidence* effect) {
   const Trial trial(solved, threads, *effect->id, 1.0);
   std::vector<JudgedProcess> all;
   for (const double tau_s : kProcessTausS) {
@@ -190,7 +190,7 @@ void EvaluateProcess(const FlightNetwork& solved, int threads, ScreenedEffect* e
        effect);
 }
 
-void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
+void RefineProcess(const FlightNetwork& solved, int threads, HypothesisEvidence* effect) {
   const EffectSpec& spec = EffectRow(*effect->id);
   const Eigen::Index last = effect->estimate.size() - 1;
   const double scale = effect->estimate[0] / spec.components[0].typical_si();

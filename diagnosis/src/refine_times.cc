@@ -1,6 +1,5 @@
 #include "refine_times.h"
 
-#include <dn/adjustment/candidate_effects.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>
@@ -9,7 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "generic_effects.h"
+#include "discrepancies.h"
+#include "evidence.h"
+#include "network_hypotheses.h"
 
 namespace dn::internal {
 namespace {
@@ -74,39 +75,35 @@ double CellLength(const FlightNetwork& network, EffectId effect) {
 }  // namespace
 
 void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int threads,
-                 ScreenedEffect* effect) {
+                 HypothesisEvidence* effect) {
   const bool start = effect->id == EffectId::kBoresightStep;
   if (!start && effect->id != EffectId::kGnssPositionStep) return;
   const double reach_s = CellLength(network, *effect->id);
   const FineCells fine =
       start ? AroundStart(*effect->times.t0_s, reach_s, network.node_times().front())
             : AroundWindow(*effect->times.window_s, reach_s);
-  const UserEffect own = start ? BoresightByCell(fine.cells) : GnssByCell(fine.cells);
-  std::vector<CandidateEffect> found = CandidateEffects(network, threads, {own});
-  if (found.empty() || found.back().model.empty()) return;
+  const Library found = MakeNetworkHypotheses(
+      network, threads, {start ? BoresightByCell(fine.cells) : GnssByCell(fine.cells)});
+  if (found.blocks.back().empty()) return;
   const std::vector<BlockId> watched = start || !network.pair_edges.empty()
                                            ? std::vector<BlockId>{network.boresight.id}
                                            : std::vector<BlockId>{};
-  const JointScore score = ScoreEffects(marginals, {found.back().model}, watched);
-  Candidate candidate;
-  candidate.typical = TypicalInSi(EffectRow(*effect->id)).head<3>();
+  const JointScore score = ScoreEffects(marginals, {found.blocks.back()}, watched);
+  Hypothesis step = MakeHypothesis(*effect->id);
   double best = -std::numeric_limits<double>::infinity();
   for (const auto& [first, past] : fine.ranges) {
     const auto last = static_cast<std::size_t>(std::min(past, fine.cells.count() - 1));
     const std::pair<double, double> range_s{fine.cells.start_s[static_cast<std::size_t>(first)],
                                             fine.cells.start_s[last]};
     if (!start && EpochsWithin(network, range_s) < kFewestEpochs) continue;
-    candidate.cells = CellRange{first, past};
-    const Eigen::MatrixXd A = CandidateInformation(candidate, score);
-    const Eigen::VectorXd s = CandidateScore(candidate, score, score.s);
-    const double evidence = SizeAveragedEvidence(A, candidate.typical).LogEvidence(s);
+    step.cells = CellRange{first, past};
+    const double evidence = LogEvidence(step, score);
     if (evidence <= best) continue;
     best = evidence;
-    const ScoreTest test = TestScore(s, A, CandidateSignature(candidate, score));
+    const ScoreTest test = TestHypothesis(step, score);
     effect->estimate = test.estimate;
-    effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    if (score.shift.rows() == 3)
-      effect->boresight_rad = CandidateShift(candidate, score) * test.estimate;
+    effect->sigma = ComponentSigmas(test);
+    if (score.shift.rows() == 3) effect->boresight_rad = SelectShift(step, score) * test.estimate;
     if (start) {
       effect->times.t0_s = range_s.first;
     } else {

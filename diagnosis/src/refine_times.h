@@ -3,7 +3,7 @@
 #include <dn/builder/flight_network.h>
 #include <dn/solvers/marginals.h>
 
-#include "screen.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::internal {
 
@@ -11,6 +11,6 @@ namespace dn::internal {
 /// the screen's cells. Updates times, estimate, sigma and the shift of the boresight. Leaves any
 /// other effect unchanged.
 void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int threads,
-                 ScreenedEffect* effect);
+                 HypothesisEvidence* effect);
 
 }  // namespace dn::internal

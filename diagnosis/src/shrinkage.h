@@ -2,20 +2,26 @@
 
 #include <dn/diagnosis/diagnosis.h>
 
-#include "twins.h"
+#include <vector>
+
+#include "replicates.h"
 
 namespace dn::internal {
 
+/// Returns 1 - left / excess for the excess of a statistic before and the rest after the effects
+/// are in the model. The interval follows from the deviations of the statistic of replicates, with
+/// the effects, from their mean.
+GapShrinkage MakeShrinkage(double excess, double left, std::vector<double> deviations);
+
 /// A flight compared with its replicates, and the log evidence of raw inertial noise and outliers,
 /// which the replicates do not contain.
-struct Departure {
+struct GapEvidence {
   const ReplicateTest& test;
   double outside_nats = 0.0;
 };
 
 /// Returns the reduction of the gap: 1 - excess after / excess before. The excess is the omnibus
 /// statistic, a chi-square, minus its mean over replicates, plus twice the evidence outside them.
-/// The interval follows from the variation of the replicates with the effects.
-GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after);
+GapShrinkage OmnibusShrinkage(const GapEvidence& before, const GapEvidence& after);
 
 }  // namespace dn::internal

@@ -32,7 +32,7 @@ Signature ComputeSignature(const Flight& with, const Flight& without, const GapO
   const internal::Screen screen(*adjusted.network, marginals,
                                 {options.effects, options.left_out, options.threads});
   double most = 0.0;
-  for (const internal::ScreenedEffect& effect : screen.EffectsInOrder()) {
+  for (const internal::HypothesisEvidence& effect : screen.EffectsInOrder()) {
     if (!effect.physical() || effect.statistic <= most) continue;
     most = effect.statistic;
     signature.nearest = effect.name;

@@ -1,6 +1,6 @@
 #include "tie_breaker.h"
 
-#include <dn/diagnosis/twin.h>
+#include <dn/diagnosis/replicate_scenario.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/geo/nearest_pose.h>
@@ -19,7 +19,7 @@
 
 #include "design_limits.h"
 #include "effect_words.h"
-#include "full_twins.h"
+#include "simulated_replicates.h"
 
 namespace dn::internal {
 namespace {
@@ -42,9 +42,9 @@ const GapCause* Find(const GapDiagnosis& diagnosis, const std::string& effect) {
   return at == diagnosis.causes.end() ? nullptr : &*at;
 }
 
-const Candidate* CandidateForEffect(const Screen& screen, const std::string& effect) {
+const Hypothesis* FindHypothesis(const Screen& screen, const std::string& effect) {
   for (const EffectFamily& family : screen.families()) {
-    if (family.name == effect) return &screen.library().candidates[family.first];
+    if (family.name == effect) return &screen.library().hypotheses[family.first];
   }
   return nullptr;
 }
@@ -149,8 +149,8 @@ std::vector<double> ComputeSeparations(const Scenario& scenario, const Flight& f
     planned.config.imu->model.vibration.clear();  // its windows are those of the flight
     const Screen screen = ScreenDesign(planned, alone);
     std::vector<double> separations;
-    for (const std::string& rival : tie.competing_effects) {
-      separations.push_back(Separation(screen, tie.named, rival));
+    for (const std::string& other : tie.competing_effects) {
+      separations.push_back(Separation(screen, tie.named, other));
     }
     return separations;
   } catch (const InvalidConfig&) {
@@ -160,7 +160,7 @@ std::vector<double> ComputeSeparations(const Scenario& scenario, const Flight& f
   return {};
 }
 
-std::vector<std::string> SeparatedRivals(const Tie& tie, const std::vector<double>& separations) {
+std::vector<std::string> SeparatedEffects(const Tie& tie, const std::vector<double>& separations) {
   std::vector<std::string> separated;
   for (std::size_t k = 0; k < separations.size(); ++k) {
     if (separations[k] > kSeparated) separated.push_back(tie.competing_effects[k]);
@@ -180,25 +180,25 @@ std::vector<Tie> FindTies(const GapDiagnosis& diagnosis) {
     const GapCause* named = Find(diagnosis, effect);
     if (named == nullptr || !IsConstantEffect(*named)) continue;
     Tie tie{*named, {}};
-    for (const std::string& rival : named->inseparable_from) {
-      const GapCause* other = Find(diagnosis, rival);
-      if (other != nullptr && IsConstantEffect(*other)) tie.competing_effects.push_back(rival);
+    for (const std::string& name : named->inseparable_from) {
+      const GapCause* other = Find(diagnosis, name);
+      if (other != nullptr && IsConstantEffect(*other)) tie.competing_effects.push_back(name);
     }
     if (!tie.competing_effects.empty()) ties.push_back(std::move(tie));
   }
   return ties;
 }
 
-double Separation(const Screen& screen, const GapCause& named, const std::string& rival) {
-  const Candidate* of_named = CandidateForEffect(screen, named.effect);
-  const Candidate* of_rival = CandidateForEffect(screen, rival);
-  if (of_named == nullptr || of_rival == nullptr) return std::numeric_limits<double>::infinity();
+double Separation(const Screen& screen, const GapCause& named, const std::string& other) {
+  const Hypothesis* of_named = FindHypothesis(screen, named.effect);
+  const Hypothesis* of_other = FindHypothesis(screen, other);
+  if (of_named == nullptr || of_other == nullptr) return std::numeric_limits<double>::infinity();
   const JointScore& score = screen.score();
   const Eigen::VectorXd size = named.estimate / of_named->per_si;
-  const double alone = size.dot(CandidateInformation(*of_named, score) * size);
-  const Eigen::VectorXd shared = CandidateInformation(*of_rival, *of_named, score) * size;
-  const ScoreTest taken_up = TestScore(shared, CandidateInformation(*of_rival, score),
-                                       CandidateSignature(*of_rival, score));
+  const double alone = size.dot(SelectInformation(*of_named, score) * size);
+  const Eigen::VectorXd shared = SelectInformation(*of_other, *of_named, score) * size;
+  const ScoreTest taken_up =
+      TestScore(shared, SelectInformation(*of_other, score), SelectSignature(*of_other, score));
   return alone - taken_up.statistic;
 }
 
@@ -215,7 +215,7 @@ std::string ProposeTieBreaker(const Flight& flight, const Trajectory& estimated,
   std::optional<std::size_t> best;
   std::vector<std::string> separated;
   for (std::size_t k = 0; k < attempts.size(); ++k) {
-    const std::vector<std::string> here = SeparatedRivals(tie, separations[k]);
+    const std::vector<std::string> here = SeparatedEffects(tie, separations[k]);
     const bool more =
         here.size() > separated.size() || (best && here.size() == separated.size() &&
                                            Least(separations[k]) > 2.0 * Least(separations[*best]));

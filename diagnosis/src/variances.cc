@@ -126,8 +126,8 @@ class Variances {
 
   /// Evaluates a component from one Fisher step `theta` with its sigma, and by its profile
   /// likelihood if the step is significant.
-  ScreenedEffect Judge(const Component& component, double theta, double sigma_theta) const {
-    ScreenedEffect effect = MakeUnscreened(component.effect);
+  HypothesisEvidence Judge(const Component& component, double theta, double sigma_theta) const {
+    HypothesisEvidence effect{MakeHypothesis(component.effect)};
     const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
     const bool impossible = component.at_least_stated && theta <= 0.0;
     if (impossible || quadratic < kWorthALookNats) {
@@ -201,7 +201,7 @@ class Variances {
 
   void AddVibration(const NoiseWindow& window, double log_evidence) {
     if (!options_.Wanted(EffectId::kImuVibration)) return;
-    ScreenedEffect vibration = MakeUnscreened(EffectId::kImuVibration);
+    HypothesisEvidence vibration{MakeHypothesis(EffectId::kImuVibration)};
     vibration.times.window_s = {{window.t0_s, window.t1_s}};
     vibration.log_evidence = log_evidence;
     vibration.estimate = Eigen::Vector2d(window.sigma[0], window.sigma[1]);
@@ -213,7 +213,7 @@ class Variances {
   void AddScale(EffectId id, const NoiseCheck& check, ImuTriad triad, double log_evidence) {
     if (!check.level[triad] || !options_.Wanted(id)) return;
     const NoiseLevel& level = *check.level[triad];
-    ScreenedEffect scale = MakeUnscreened(id);
+    HypothesisEvidence scale{MakeHypothesis(id)};
     scale.estimate = Eigen::VectorXd::Constant(1, level.ratio);
     scale.sigma = Eigen::VectorXd::Constant(1, level.sigma);
     const bool matters = std::abs(level.ratio - 1.0) >= kNoEffect;

@@ -16,7 +16,7 @@ namespace dn::internal {
 /// network; inertial sensors use the high band of their raw data. Effects are in SI; their evidence
 /// is comparable with that of the screen.
 struct VarianceScreen {
-  std::vector<ScreenedEffect> effects;
+  std::vector<HypothesisEvidence> effects;
   /// Evidence of inertial noise that is not white or not steady, relative to the best model with
   /// white noise, nats. No effect of the table describes such noise.
   double coloured_imu = 0.0;

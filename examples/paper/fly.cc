@@ -1,7 +1,7 @@
 #include "fly.h"
 
-#include <dn/adjustment/result_files.h>
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/result_files.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 

@@ -1,6 +1,6 @@
 #include "on_the_job.h"
 
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/distributions.h>
 #include <fmt/format.h>
 
@@ -73,7 +73,8 @@ Calibrated Calibrate(const std::string& set, std::uint64_t seed,
                      const std::filesystem::path& folder, std::optional<double> node_rate_hz) {
   SmoothedFlight flight = Fly(dn::ReadScenario(set), seed, folder);
   flight.sim.flight.config.network.node_rate_hz = node_rate_hz;
-  const dn::GaussHelmertCalibration gh = dn::CalibrateGaussHelmert(flight.sim.flight);
+  dn::GaussHelmertCalibration gh = dn::CalibrateGaussHelmert(flight.sim.flight);
+  dn::AssessModel(flight.sim.flight, &gh);
   const dn::BoresightResult network = dn::Solution(flight.sim.flight).Boresight();
 
   Calibrated out;

@@ -1,4 +1,4 @@
-#include <dn/adjustment/result_files.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/sim/simulate.h>
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include <dn/adjustment/plane_flight.h>
-#include <dn/adjustment/result_files.h>
 #include <dn/adjustment/trajectory_ends.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/error.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -107,8 +107,9 @@ TEST(PlaneFlight, RecoversTheBoresight) {
 TEST(PlaneFlight, ResultFileHasTheKeysOfAllMethods) {
   PlaneFlight test;
   test.flight.config.estimate.push_back({.unknown = "lidar_range_offset", .sigma = {0.5}});
-  const PlaneCalibration result = CalibratePlanes(test.flight, test.Planes(40, 0.6, false, 0.15));
-  const Json json = CalibrationJson("x", result, {"1", "2", "3"}, {});
+  PlaneCalibration result = CalibratePlanes(test.flight, test.Planes(40, 0.6, false, 0.15));
+  const ModelCheck check = AssessModel(test.flight, &result);
+  const Json json = CalibrationJson("x", result, check, {"1", "2", "3"}, {});
   EXPECT_EQ(json["method"], "planes");
   for (const char* key : {"correlations", "clocks", "strip_pairs"}) {
     EXPECT_TRUE(json.at(key).is_null()) << key;
@@ -152,7 +153,8 @@ TEST(PlaneFlight, LargerResidualsThanStatedContradict) {
   for (ObservedPlane& plane : planes) {
     for (PlanePoint& point : plane.points) point.end.p_mb.z() += waves(test.rng);
   }
-  const PlaneCalibration result = CalibratePlanes(test.flight, std::move(planes));
+  PlaneCalibration result = CalibratePlanes(test.flight, std::move(planes));
+  AssessModel(test.flight, &result);
   EXPECT_EQ(result.boresight.verdict, Verdict::kContradicted);
 }
 

@@ -33,14 +33,6 @@ TEST(Words, VerdictsAreThoseOfTheResultFile) {
   EXPECT_STREQ(Word(Verdict::kContradicted), "contradicted");
 }
 
-TEST(Words, ACheckIsConsistentUntilAFindingContradicts) {
-  ModelCheck check;
-  check.findings.push_back({facts::GnssLeftOut{0.2}});
-  EXPECT_STREQ(Word(check), "consistent");
-  check.findings.push_back({facts::UpsideDown{}, true});
-  EXPECT_STREQ(Word(check), "contradicted");
-}
-
 TEST(Words, AnEffectIsReportedWithItsShift) {
   facts::EffectPresent fact{LateTags(), true};
   EXPECT_EQ(Words(Finding{fact}),
@@ -109,19 +101,6 @@ TEST(Words, TheFileOverridesTheCorrelationTimeOfThePairs) {
   EXPECT_THAT(Words(Finding{fact}),
               HasSubstr("according to a.txt they are time-correlated, and contribute"));
   EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
-}
-
-TEST(Words, TheFindingsOfACheckComeFirstAndOnce) {
-  ModelCheck check;
-  check.findings.push_back({facts::GnssTimeOff{{0.05, 0.001}}, true});
-  BoresightResult boresight;
-  boresight.verdict = Verdict::kAbsorbed;
-  boresight.reasons.push_back({facts::GnssTimeOff{{0.05, 0.001}}, true});
-  boresight.reasons.push_back({facts::FewPairs{12}});
-  Assess(check, &boresight);
-  EXPECT_EQ(boresight.verdict, Verdict::kContradicted);
-  EXPECT_THAT(Words(boresight.reasons),
-              ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), HasSubstr("only 12 pairs")));
 }
 
 }  // namespace dn::words_test

@@ -42,7 +42,7 @@ TEST(Diagnose, SaysThatThereIsNoGap) {
   EXPECT_THAT(diagnosis.verdict.effects, IsEmpty());
   EXPECT_FALSE(diagnosis.shrinkage.has_value());
   EXPECT_GT(diagnosis.validity.aa_p_value, 1e-4);
-  EXPECT_EQ(diagnosis.validity.full_twins, 0);
+  EXPECT_EQ(diagnosis.validity.simulated_replicates, 0);
   EXPECT_FALSE(diagnosis.could_still_hide.empty());
   EXPECT_TRUE(diagnosis.user_units.boresight_inconsistency_rad.has_value());
 }
@@ -60,7 +60,7 @@ TEST(Diagnose, NamesAnEffectWithItsSize) {
   EXPECT_GT(diagnosis.shrinkage->held_out_gain_nats.value_or(0.0), 10.0);
   EXPECT_GT(diagnosis.shrinkage->share_of_reachable.value_or(0.0), 0.8);
   EXPECT_EQ(cause.held_out_gain_nats, diagnosis.shrinkage->held_out_gain_nats);
-  EXPECT_FALSE(diagnosis.validity.like_twins_p.has_value());
+  EXPECT_FALSE(diagnosis.validity.like_replicates_p.has_value());
 }
 
 // The laser vectors may then be wrong for another reason that looks similar.
@@ -95,11 +95,12 @@ TEST(Diagnose, SimulatesTwinsThatLookLikeTheFlight) {
   GapOptions options = Quick();
   options.depth = GapOptions::Depth::kFull;
   const GapDiagnosis diagnosis = Diagnose(OffsetDrone(), options).diagnosis;
-  EXPECT_EQ(diagnosis.validity.full_twins, 16);
+  EXPECT_EQ(diagnosis.validity.simulated_replicates, 16);
   EXPECT_GT(diagnosis.validity.full_against_linear_p.value_or(0.0), 0.002);
-  EXPECT_GT(diagnosis.validity.like_twins_p.value_or(0.0), 0.01);
-  const bool band = std::any_of(diagnosis.fingerprint.begin(), diagnosis.fingerprint.end(),
-                                [](const FingerprintValue& v) { return v.twin_mean.has_value(); });
+  EXPECT_GT(diagnosis.validity.like_replicates_p.value_or(0.0), 0.01);
+  const bool band =
+      std::any_of(diagnosis.fingerprint.begin(), diagnosis.fingerprint.end(),
+                  [](const FingerprintValue& v) { return v.simulated_mean.has_value(); });
   EXPECT_TRUE(band);
 }
 

@@ -19,25 +19,29 @@ Flight Drone(const std::string& effects = "", std::uint64_t seed = 1) {
   return Simulate(DroneScenario(effects), options).flight;
 }
 
-GapCause RangeOffset() {
-  GapCause cause;
-  cause.effect = "lidar_range_offset";
-  cause.unit = "m";
-  cause.estimate = Eigen::VectorXd::Constant(1, 0.1);
-  return cause;
+/// Returns an effect with its estimate, SI.
+HypothesisEvidence Estimated(EffectId id, const Eigen::VectorXd& estimate) {
+  HypothesisEvidence effect{MakeHypothesis(id)};
+  effect.estimate = estimate;
+  effect.sigma = Eigen::VectorXd::Zero(estimate.size());
+  return effect;
+}
+
+HypothesisEvidence RangeOffset() {
+  return Estimated(EffectId::kLidarRangeOffset, Eigen::VectorXd::Constant(1, 0.1));
 }
 
 /// A flight adjusted without and with one effect in the estimator.
 struct BothSides {
-  explicit BothSides(Flight of) : flight(std::move(of)), model_fitter(flight, options) {
-    without = model_fitter.Explain({});
-    with = model_fitter.Explain({RangeOffset()});
+  explicit BothSides(Flight of) : flight(std::move(of)), fitter(flight, options) {
+    without = fitter.Fit({});
+    with = fitter.Fit({RangeOffset()});
   }
 
   Flight flight;
   GapOptions options;
-  ExtendedModelFitter model_fitter;
-  ExtendedFit without, with;
+  NetworkFitter fitter;
+  NetworkFit without, with;
 };
 
 TEST(Folds, EveryPairLiesInOneTile) {
@@ -103,7 +107,7 @@ TEST(HeldOut, AnEffectThatIsThereGainsWhatItsEvidenceSays) {
   const BothSides both(Drone("effects: [{effect: lidar_range_offset, value: 0.1}]"));
   const HeldOutGains gains = MeasureHeldOut(both.without, both.with, {});
   double evidence = 0.0;
-  for (const ScreenedEffect& effect : both.without.effects) {
+  for (const HypothesisEvidence& effect : both.without.effects) {
     if (effect.name == "lidar_range_offset") evidence = effect.log_evidence;
   }
   EXPECT_EQ(gains.folds, 12);
@@ -121,8 +125,8 @@ TEST(HeldOut, AnEffectThatIsThereGainsWhatItsEvidenceSays) {
 TEST(HeldOut, WhatIsMissingCouldBeReached) {
   const Flight flight = Drone("effects: [{effect: lidar_range_offset, value: 0.1}]");
   const GapOptions options;
-  const ExtendedModelFitter model_fitter(flight, options);
-  const ExtendedFit without = model_fitter.Explain({});
+  const NetworkFitter fitter(flight, options);
+  const NetworkFit without = fitter.Fit({});
   const HeldOutGains gains = MeasureHeldOut(without, without, {});
   EXPECT_EQ(gains.gain_nats, 0.0);
   const BothSides both(flight);
@@ -143,16 +147,13 @@ TEST(HeldOut, EachOfTwoCausesIsHeldAgainstTheOther) {
       "effects: [{effect: lidar_range_offset, value: 0.1}, "
       "{effect: gnss_lever_arm, value: [0.3, 0, 0]}]");
   const GapOptions options;
-  const ExtendedModelFitter model_fitter(flight, options);
-  GapCause arm;
-  arm.effect = "gnss_lever_arm";
-  arm.unit = "m";
-  arm.estimate = Eigen::Vector3d(0.3, 0, 0);
-  const ExtendedFit without = model_fitter.Explain({});
-  const ExtendedFit with = model_fitter.Explain({RangeOffset(), arm});
+  const NetworkFitter fitter(flight, options);
+  const HypothesisEvidence arm = Estimated(EffectId::kGnssLeverArm, Eigen::Vector3d(0.3, 0, 0));
+  const NetworkFit without = fitter.Fit({});
+  const NetworkFit with = fitter.Fit({RangeOffset(), arm});
   const HeldOutGains gains = MeasureHeldOut(without, with, {});
   ASSERT_TRUE(gains.cause_gains[0] && gains.cause_gains[1]);
-  const ExtendedFit only_arm = model_fitter.Explain({arm});
+  const NetworkFit only_arm = fitter.Fit({arm});
   const double beside_the_arm = MeasureHeldOut(only_arm, with, {}).gain_nats;
   constexpr double kRelative = 0.05;  // one linear step against an adjustment
   EXPECT_NEAR(*gains.cause_gains[0], beside_the_arm, kRelative * beside_the_arm);
@@ -162,14 +163,12 @@ TEST(HeldOut, EachOfTwoCausesIsHeldAgainstTheOther) {
 TEST(HeldOut, NoiseOfAnotherSizeCountsByItsDensity) {
   const Flight flight = Drone("effects: [{effect: gnss_noise_scale, value: 2}]");
   const GapOptions options;
-  const ExtendedModelFitter model_fitter(flight, options);
-  GapCause scale;
-  scale.effect = "gnss_noise_scale";
-  scale.unit = "1";
-  scale.estimate = Eigen::VectorXd::Constant(1, 2.0);
-  const ExtendedFit without = model_fitter.Explain({}), right = model_fitter.Explain({scale});
+  const NetworkFitter fitter(flight, options);
+  HypothesisEvidence scale =
+      Estimated(EffectId::kGnssNoiseScale, Eigen::VectorXd::Constant(1, 2.0));
+  const NetworkFit without = fitter.Fit({}), right = fitter.Fit({scale});
   scale.estimate[0] = 8.0;
-  const ExtendedFit too_large = model_fitter.Explain({scale});
+  const NetworkFit too_large = fitter.Fit({scale});
   EXPECT_GT(MeasureHeldOut(without, right, {}).gain_nats, 50.0);
   EXPECT_LT(MeasureHeldOut(right, too_large, {}).gain_nats, -50.0);
 }

@@ -36,7 +36,7 @@ TEST(OutlierEvidence, TheShareHasThoseThatAreTooShortToBeFound) {
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < kDraws; ++i) {
       const Found found = Draw(1000, kShare, kSize, threshold_m, &random);
-      const ScreenedEffect effect =
+      const HypothesisEvidence effect =
           OutlierEffect(EffectId::kGnssOutliers, found.number, 1000, 1e-3, found.lengths_m);
       const double z = (effect.estimate[0] - kShare) / effect.sigma[0];
       sum += z;
@@ -49,10 +49,10 @@ TEST(OutlierEvidence, TheShareHasThoseThatAreTooShortToBeFound) {
 }
 
 TEST(OutlierEvidence, ACoupleOfThemHasAWideSigma) {
-  const ScreenedEffect two = OutlierEffect(EffectId::kP2pOutliers, 2, 500, 1e-3, {0.8, 1.0});
+  const HypothesisEvidence two = OutlierEffect(EffectId::kP2pOutliers, 2, 500, 1e-3, {0.8, 1.0});
   EXPECT_GT(two.estimate[0], 2.0 / 500.0);
   EXPECT_GT(two.sigma[0], 0.5 * two.estimate[0]);
-  const ScreenedEffect none = OutlierEffect(EffectId::kP2pOutliers, 0, 500, 1e-3, {});
+  const HypothesisEvidence none = OutlierEffect(EffectId::kP2pOutliers, 0, 500, 1e-3, {});
   EXPECT_EQ(none.estimate[0], 0.0);
   EXPECT_GT(none.sigma[0], 0.0);
   EXPECT_LT(none.log_evidence, 0.0);

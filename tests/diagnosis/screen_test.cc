@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ostream>
 
-#include "explained_flight.h"
+#include "network_fit.h"
 #include "processes.h"
 #include "refine_times.h"
 #include "testing/short_flights.h"
@@ -38,13 +38,13 @@ TEST_P(FixedEffect, IsEstimatedAndExplainsTheDataBest) {
   const Shown& shown = GetParam();
   const Flight flight = Simulate(AircraftScenario(Entry(shown)), {}).flight;
   GapOptions options;
-  const ExtendedModelFitter model_fitter(flight, options);
-  ExtendedFit explained = model_fitter.Explain({});
+  const NetworkFitter fitter(flight, options);
+  NetworkFit fit = fitter.Fit({});
   const auto found =
-      std::find_if(explained.effects.begin(), explained.effects.end(),
-                   [&](const ScreenedEffect& effect) { return effect.name == shown.effect; });
-  ASSERT_NE(found, explained.effects.end());
-  RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &*found);
+      std::find_if(fit.effects.begin(), fit.effects.end(),
+                   [&](const HypothesisEvidence& effect) { return effect.name == shown.effect; });
+  ASSERT_NE(found, fit.effects.end());
+  RefineTimes(fit.solution->network(), fit.solution->marginals(), 1, &*found);
   const GapCause cause = ToCause(*found);
   constexpr double kSigmas = 4.0, kFirstOrder = 0.05;
   double most = 0.0;
@@ -57,7 +57,7 @@ TEST_P(FixedEffect, IsEstimatedAndExplainsTheDataBest) {
   EXPECT_GT(found->log_evidence, 8.0);
   // An effect with a similar signature may explain a sample better, and so may second-order terms.
   constexpr double kAsGoodNats = 3.0, kSecondOrder = 0.05;
-  const ScreenedEffect& best = explained.effects.front();
+  const HypothesisEvidence& best = fit.effects.front();
   EXPECT_GE(found->log_evidence,
             best.log_evidence - std::max(kAsGoodNats, kSecondOrder * best.log_evidence))
       << best.name;
@@ -82,8 +82,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Screen, FindsNothingInNoise) {
   const Flight flight = Simulate(AircraftScenario(), {}).flight;
   const GapOptions options;
-  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
-  EXPECT_LT(explained.effects.front().log_evidence, 6.0) << explained.effects.front().name;
+  const NetworkFit fit = NetworkFitter(flight, options).Fit({});
+  EXPECT_LT(fit.effects.front().log_evidence, 6.0) << fit.effects.front().name;
 }
 
 Flight FlightWithGnssStep(const std::string& window_s) {
@@ -97,11 +97,11 @@ Flight FlightWithGnssStep(const std::string& window_s) {
 TEST(RefineTimes, FindsTheEndsOfAWindow) {
   const Flight flight = FlightWithGnssStep("[381131, 381177]");
   const GapOptions options;
-  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
-  const ScreenedEffect& best = explained.effects.front();
+  const NetworkFit fit = NetworkFitter(flight, options).Fit({});
+  const HypothesisEvidence& best = fit.effects.front();
   ASSERT_EQ(best.name, "gnss_position_step");
-  ScreenedEffect refined = best;
-  RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &refined);
+  HypothesisEvidence refined = best;
+  RefineTimes(fit.solution->network(), fit.solution->marginals(), 1, &refined);
   ASSERT_TRUE(refined.times.window_s.has_value());
   constexpr double kEpochS = 1.0;
   EXPECT_NEAR(refined.times.window_s->first, 381131.0, kEpochS);
@@ -114,13 +114,13 @@ TEST(RefineTimes, FindsTheEndsOfAWindow) {
 TEST(RefineTimes, AStepLastsForFourEpochsAtLeast) {
   const Flight flight = FlightWithGnssStep("[381151, 381153]");
   const GapOptions options;
-  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
+  const NetworkFit fit = NetworkFitter(flight, options).Fit({});
   const auto found = std::find_if(
-      explained.effects.begin(), explained.effects.end(),
-      [](const ScreenedEffect& effect) { return effect.name == "gnss_position_step"; });
-  ASSERT_NE(found, explained.effects.end());
-  ScreenedEffect refined = *found;
-  RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &refined);
+      fit.effects.begin(), fit.effects.end(),
+      [](const HypothesisEvidence& effect) { return effect.name == "gnss_position_step"; });
+  ASSERT_NE(found, fit.effects.end());
+  HypothesisEvidence refined = *found;
+  RefineTimes(fit.solution->network(), fit.solution->marginals(), 1, &refined);
   constexpr double kEpochS = 1.0;
   EXPECT_GE(refined.times.window_s->second - refined.times.window_s->first, 3.0 * kEpochS);
 }
@@ -128,21 +128,21 @@ TEST(RefineTimes, AStepLastsForFourEpochsAtLeast) {
 TEST(RefineTimes, LeavesOtherEffectsAlone) {
   const Flight flight = Simulate(AircraftScenario(), {}).flight;
   const GapOptions options;
-  const ExtendedFit explained = ExtendedModelFitter(flight, options).Explain({});
-  for (const ScreenedEffect& effect : explained.effects) {
+  const NetworkFit fit = NetworkFitter(flight, options).Fit({});
+  for (const HypothesisEvidence& effect : fit.effects) {
     if (effect.name != "lidar_range_offset") continue;
-    ScreenedEffect refined = effect;
-    RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &refined);
+    HypothesisEvidence refined = effect;
+    RefineTimes(fit.solution->network(), fit.solution->marginals(), 1, &refined);
     EXPECT_EQ(refined.estimate, effect.estimate);
     EXPECT_EQ(refined.log_evidence, effect.log_evidence);
   }
 }
 
-ScreenedEffect Judged(const std::string& effects, std::uint64_t seed = 1) {
+HypothesisEvidence Judged(const std::string& effects, std::uint64_t seed = 1) {
   SimulateOptions options;
   options.seed = seed;
   const Flight flight = Simulate(AircraftScenario(effects), options).flight;
-  ScreenedEffect effect;
+  HypothesisEvidence effect;
   effect.name = "gnss_correlated_noise";
   effect.estimate = effect.sigma = Eigen::VectorXd::Zero(4);
   const Adjustment adjustment = Adjust(flight);
@@ -152,7 +152,7 @@ ScreenedEffect Judged(const std::string& effects, std::uint64_t seed = 1) {
 }
 
 TEST(EvaluateProcess, FindsTheSizeOfAProcess) {
-  const ScreenedEffect found =
+  const HypothesisEvidence found =
       Judged("effects: [{effect: gnss_correlated_noise, value: [0.04, 0.04, 0.04, 15]}]");
   EXPECT_GT(found.log_evidence, 20.0);
   EXPECT_NEAR(found.estimate[0], 0.04, 3.0 * found.sigma[0]);
@@ -168,7 +168,7 @@ TEST(EvaluateProcess, SizesAndTimesAreWithinTheirSigmas) {
   constexpr int kSeeds = 8;
   double sigma2 = 0.0, tau2 = 0.0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const ScreenedEffect found =
+    const HypothesisEvidence found =
         Judged("effects: [{effect: gnss_correlated_noise, value: [0.1, 0.1, 0.1, 30]}]", seed);
     ASSERT_TRUE(std::isfinite(found.sigma[3])) << seed;
     // The likelihood is nearly normal in the logarithms; sigmas are those of the longer side.
@@ -186,7 +186,7 @@ TEST(EvaluateProcess, SizesAndTimesAreWithinTheirSigmas) {
 // In seven minutes, errors correlated over hours show no time constant. The estimated size depends
 // on the estimated time constant, and is as uncertain.
 TEST(EvaluateProcess, WhatOutlastsTheFlightHasNoSureSize) {
-  const ScreenedEffect found =
+  const HypothesisEvidence found =
       Judged("effects: [{effect: gnss_correlated_noise, value: [0.5, 0.5, 0.5, 10000]}]");
   ASSERT_GT(found.log_evidence, 10.0);
   EXPECT_TRUE(std::isnan(found.sigma[3]));

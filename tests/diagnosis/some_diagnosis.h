@@ -86,8 +86,8 @@ inline GapDiagnosis LeverArmDiagnosis() {
   d.fingerprint = {{"lidar p2p, strip pair 1-2, mean", 5.0, 1.0, 0.5, 4.8, 0.6},
                    {"gnss position up, lag 1", 0.1, 0.0, 0.2, std::nullopt, std::nullopt}};
   d.validity.observations = 4321;
-  d.validity.twins = 500;
-  d.validity.full_twins = 24;
+  d.validity.replicates = 500;
+  d.validity.simulated_replicates = 24;
   d.validity.tests = 77;
   d.validity.aa_p_value = 0.6;
   d.validity.notes = {"one note"};

@@ -38,17 +38,17 @@ TEST(FindTies, AreBetweenFixedEffectsThatLast) {
   EXPECT_THAT(ties[0].competing_effects, ElementsAre("lidar_range_scale"));
 }
 
-Candidate Single(const std::string& effect, std::size_t block) {
-  Candidate candidate;
-  candidate.name = effect;
-  candidate.block = block;
-  candidate.typical = Eigen::VectorXd::Constant(1, 1.0);
-  return candidate;
+Hypothesis Single(const std::string& effect, std::size_t block) {
+  Hypothesis hypothesis;
+  hypothesis.name = effect;
+  hypothesis.block = block;
+  hypothesis.typical = Eigen::VectorXd::Constant(1, 1.0);
+  return hypothesis;
 }
 
 TEST(Separation, IsWhatTheRivalCannotTakeUp) {
   Library library;
-  library.candidates = {Single("lidar_range_offset", 0), Single("lidar_range_scale", 1)};
+  library.hypotheses = {Single("lidar_range_offset", 0), Single("lidar_range_scale", 1)};
   JointScore score;
   score.first = {0, 1, 2};
   score.s = Eigen::Vector2d::Zero();

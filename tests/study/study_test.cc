@@ -1,4 +1,4 @@
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/error.h>
 #include <dn/sim/simulate.h>
 #include <dn/study/report.h>

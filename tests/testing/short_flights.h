@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/sim/simulate.h>
 
 #include <Eigen/Core>

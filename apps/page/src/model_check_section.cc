@@ -61,11 +61,11 @@ Table Departures(const Facts& check) {
               {},
               "Tested with the effects above, against the noise that the pairs show. p-values are "
               "corrected for the number of tests of the flight."};
-  for (const Facts& departure : check["departures"].elements()) {
+  for (const Facts& discrepancy : check["departures"].elements()) {
     table.rows.push_back(
-        {Text(departure["name"].text()), departure["statistic"].Decimals(1),
-         departure["dof"].Count(),
-         Toned(departure["p_value"].Significant(2), PValueTone(departure["p_value"]))});
+        {Text(discrepancy["name"].text()), discrepancy["statistic"].Decimals(1),
+         discrepancy["dof"].Count(),
+         Toned(discrepancy["p_value"].Significant(2), PValueTone(discrepancy["p_value"]))});
   }
   return table;
 }
@@ -77,13 +77,13 @@ Table Unseen(const Facts& check) {
               {},
               "This flight would not show these effects, although they would shift the result by "
               "more than its sigma. The geometry alone decides, whether they are present or not."};
-  for (const Facts& unseen : check["unseen"].elements()) {
-    std::vector<Cell> cells{Text(unseen["effect"].text() + " " + unseen["component"].text()),
-                            unseen["usual"].Significant(2),
-                            unseen["minimal_detectable"].Significant(2),
-                            Text(unseen["unit"].text())};
-    for (const Cell& cell : Three(unseen["boresight_damage_mdeg"], 2)) cells.push_back(cell);
-    cells.push_back(unseen["damage_sigmas"].Decimals(1));
+  for (const Facts& undetectable : check["unseen"].elements()) {
+    std::vector<Cell> cells{
+        Text(undetectable["effect"].text() + " " + undetectable["component"].text()),
+        undetectable["usual"].Significant(2), undetectable["minimal_detectable"].Significant(2),
+        Text(undetectable["unit"].text())};
+    for (const Cell& cell : Three(undetectable["boresight_damage_mdeg"], 2)) cells.push_back(cell);
+    cells.push_back(undetectable["damage_sigmas"].Decimals(1));
     table.rows.push_back(std::move(cells));
   }
   return table;

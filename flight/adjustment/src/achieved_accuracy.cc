@@ -2,8 +2,6 @@
 #include <dn/geo/local_frame.h>
 #include <dn/quantile.h>
 
-#include "result_json.h"
-
 namespace dn {
 namespace {
 

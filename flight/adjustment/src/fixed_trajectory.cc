@@ -115,19 +115,4 @@ void AddWideningReason(const CorrelatedErrorCovariance& scatter, const Trajector
   boresight->reasons.push_back({std::move(fact)});
 }
 
-GroupCheck MakeGroupCheck(const char* name, long observations, const AdjustmentFigures& figures,
-                          const CorrelatedErrorCovariance& scatter) {
-  const auto redundancy = static_cast<double>(figures.redundancy);
-  GroupCheck group;
-  group.name = name;
-  group.observations = observations;
-  group.redundancy = redundancy;
-  const double chi2 = figures.chi2 / scatter.expected_ratio;
-  group.variance_ratio = group.ratio_with_effects = chi2 / std::max(1.0, redundancy);
-  const double dof = scatter.expected_dof > 0.0 ? scatter.expected_dof : std::max(1.0, redundancy);
-  const double above = ChiSquareTail(dof * group.variance_ratio, dof);
-  group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
-  return group;
-}
-
 }  // namespace dn::internal

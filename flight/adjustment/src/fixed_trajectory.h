@@ -60,9 +60,4 @@ void FillBoresight(const CorrelatedErrorCovariance& scatter, Calibration* calibr
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,
                        const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);
 
-/// Compares the sum of squares of an adjustment with its expectation under the stated,
-/// time-correlated errors of the trajectory.
-GroupCheck MakeGroupCheck(const char* name, long observations, const AdjustmentFigures& figures,
-                          const CorrelatedErrorCovariance& scatter);
-
 }  // namespace dn::internal

@@ -12,7 +12,6 @@
 
 #include "fixed_trajectory.h"
 #include "gauss_helmert_assessment.h"
-#include "gauss_helmert_check.h"
 
 namespace dn {
 namespace {
@@ -142,8 +141,6 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   internal::FillBoresight(calibration.scatter, &calibration);
   FillFigures(&calibration);
   internal::Assess(flight, &calibration);
-  calibration.model_check = internal::CheckGaussHelmert(flight, strips, calibration);
-  Assess(calibration.model_check, &calibration.boresight);
   calibration.covariance_time_s = SecondsSince(covariance_start);
   return calibration;
 }

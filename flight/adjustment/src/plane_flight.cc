@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "fixed_trajectory.h"
-#include "model_findings.h"
 
 namespace dn {
 namespace {
@@ -86,19 +85,6 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
                                                      "the plane adjustment estimates the boresight "
                                                      "and lidar_range_offset only"}});
   }
-}
-
-ModelCheck Check(const FlightConfig& config, const PlaneCalibration& calibration) {
-  ModelCheck check;
-  check.of_boresight = true;
-  check.groups.push_back(
-      internal::MakeGroupCheck("lidar planes", calibration.figures.correspondences,
-                               calibration.figures, calibration.scatter.trajectory));
-  check.sigma0_with_effects =
-      calibration.figures.sigma0 / std::sqrt(calibration.scatter.trajectory.expected_ratio);
-  check.p_value = check.SmallestPValue();
-  internal::AddFindings(config, calibration, &check);
-  return check;
 }
 
 void FillFigures(PlaneCalibration* calibration) {
@@ -207,8 +193,6 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
   FillFigures(&calibration);
   FillUnknowns(&calibration);
   Assess(flight, &calibration);
-  calibration.model_check = Check(flight.config, calibration);
-  Assess(calibration.model_check, &calibration.boresight);
   calibration.covariance_time_s = SecondsSince(covariance_start);
   return calibration;
 }

@@ -85,11 +85,11 @@ std::string Say(const facts::EffectPresent& fact) {
 }
 
 std::string Say(const facts::UnmodelledDiscrepancy& fact) {
-  const DiscrepancyCheck& departure = fact.departure;
+  const DiscrepancyCheck& discrepancy = fact.discrepancy;
   return fmt::format(
       "{} show a discrepancy that no known effect explains ({}); it may move the boresight by "
       "{:.1f} sigma: run dn gap to locate it, and check the scanner's calibration and the pairs",
-      departure.name, P(departure.p_value), departure.max_shift_sigmas);
+      discrepancy.name, P(discrepancy.p_value), discrepancy.max_shift_sigmas);
 }
 
 std::string Say(const facts::UnknownAmbiguous& fact) {
@@ -99,7 +99,7 @@ std::string Say(const facts::UnknownAmbiguous& fact) {
       "{} instead of {} explains the data equally well, and {} ({:.1f} sigma): find out which one "
       "is present (dn gap says which flight would separate them), or estimate both, so that the "
       "sigmas include the choice",
-      check.rival, check.unknown,
+      check.competing_effect, check.unknown,
       fact.moves_boresight ? fmt::format("moves the boresight by {:.3g}, {:.3g}, {:.3g} mdeg",
                                          mdeg.x(), mdeg.y(), mdeg.z())
                            : std::string("moves the trajectory"),
@@ -368,10 +368,6 @@ const char* Word(Verdict verdict) {
       break;
   }
   return "contradicted";
-}
-
-const char* Word(const ModelCheck& check) {
-  return check.contradicted() ? Word(Verdict::kContradicted) : "consistent";
 }
 
 std::string Words(const Finding& finding) {

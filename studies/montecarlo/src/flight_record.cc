@@ -1,4 +1,4 @@
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/error.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>

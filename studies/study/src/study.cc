@@ -1,5 +1,5 @@
-#include <dn/adjustment/solution.h>
 #include <dn/adjustment/trajectory_sigma.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/error.h>
 #include <dn/files/strip_at.h>
 #include <dn/study/remedies.h>

@@ -1,4 +1,4 @@
-#include <dn/adjustment/result_files.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 #include <dn/study/report.h>

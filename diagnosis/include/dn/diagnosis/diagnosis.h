@@ -135,22 +135,23 @@ struct GapVerdict {
 struct FingerprintValue {
   std::string name;  ///< name as in GapLocation: "lidar p2p, strip pair 1-2, mean"
   double value = 0.0;
-  double null_mean = 0.0, null_sigma = 1.0;     ///< over replicates of the assumed model
-  std::optional<double> twin_mean, twin_sigma;  ///< over simulated replicates with the effects
+  double null_mean = 0.0, null_sigma = 1.0;  ///< over replicates of the assumed model
+  std::optional<double> simulated_mean,
+      simulated_sigma;  ///< over simulated replicates with the effects
 };
 
 /// Reliability of the diagnosis itself.
 struct GapValidity {
   long observations = 0;
-  int twins = 0;       ///< linear replicates
-  int full_twins = 0;  ///< replicates that were simulated and adjusted
+  int replicates = 0;            ///< linear replicates
+  int simulated_replicates = 0;  ///< replicates that were simulated and adjusted
   double alpha = 0.05;
   int tests = 0;
   double aa_p_value = 1.0;  ///< test of replicates against replicates
   /// p-value of the location statistics of simulated against linear replicates.
   std::optional<double> full_against_linear_p;
   /// p-value of the flight among simulated replicates with the effects.
-  std::optional<double> like_twins_p;
+  std::optional<double> like_replicates_p;
   std::vector<std::string> notes;
 };
 

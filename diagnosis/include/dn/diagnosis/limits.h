@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/adjustment/solution.h>
 #include <dn/diagnosis/diagnose.h>
 #include <dn/diagnosis/diagnosis.h>
+#include <dn/diagnosis/solution.h>
 
 #include <vector>
 

@@ -85,7 +85,7 @@ struct UndetectableEffect {
 /// A competing effect: it explains the data as well as an estimated unknown. If several do, it is
 /// the one that shifts the watched unknowns farthest when it replaces the unknown.
 struct CompetingEffectCheck {
-  std::string unknown, rival;
+  std::string unknown, competing_effect;
   double log_evidence = 0.0;  ///< nats, of the competing effect against the unknown
   /// Boresight with the competing effect minus boresight with the unknown.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();

@@ -33,7 +33,7 @@ struct EffectPresent {
 
 /// The data contain an unmodelled discrepancy, which no effect explains.
 struct UnmodelledDiscrepancy {
-  DiscrepancyCheck departure;
+  DiscrepancyCheck discrepancy;
 };
 
 /// Another effect explains the data as well as an estimated unknown.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <dn/adjustment/model_check.h>
 #include <dn/adjustment/result.h>
 #include <dn/files/flight.h>
 #include <dn/fixed_trajectory/gauss_helmert.h>
@@ -49,7 +48,7 @@ struct StripDiversity {
   bool sufficient() const { return strips >= 4 || (strips == 3 && (crossing || heights)); }
 };
 
-/// A flight adjusted on its fixed trajectory: problem, adjustment, covariances and model check.
+/// A flight adjusted on its fixed trajectory: problem, adjustment and covariances.
 struct GaussHelmertCalibration {
   GaussHelmertProblem problem;
   GaussHelmertOptions options;
@@ -64,7 +63,6 @@ struct GaussHelmertCalibration {
   double mean_range_m = 0.0;
   /// Boresight with its reliable covariance; sigma_apriori_rad and sigma_scaled_rad are set.
   BoresightResult boresight;
-  ModelCheck model_check;
   AdjustmentFigures figures;
   double solve_time_s = 0.0;
   double covariance_time_s = 0.0;
@@ -107,17 +105,9 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 ///                   or as the pairs show if that is more) change its difference by more than half
 ///                   its own sigma, and exceed 0.01 deg in roll or pitch or 0.02 deg in heading.
 ///                   The angles make the cloud consistent, but contain that error;
-///   contradicted    (model_check) the pairs show an effect of the lidar (time tags, lever arm,
-///                   ranges, scan angles) that shifts the boresight by more than its sigma, or show
-///                   an unmodelled discrepancy; the misclosures have more than twice their stated
-///                   variance after the found effects; more than 30 % of the pairs are outliers;
-///                   the stated prior contradicts the pairs; or an angle exceeds 15 deg. It
-///                   overrides the others;
 ///   calibrated      otherwise.
 ///
-/// Effects are tested jointly with time-correlated errors of the trajectory, of the stated size or
-/// larger. Effects that resemble such errors stay undetectable. They are late tags in quiet flight,
-/// a lever arm in strips at one height, a mount that moves, and a constant attitude error.
+/// The model itself is not tested; CheckModel does that (`dn::diagnosis`).
 ///
 /// Throws InvalidConfig if `estimate` does not name the boresight; InvalidInput, RankDeficient,
 /// NotConverged, Interrupted.

@@ -9,8 +9,8 @@
 
 namespace dn {
 
-/// The boresight of a flight from planes on its fixed trajectory: problem, adjustment, covariances
-/// and model check.
+/// The boresight of a flight from planes on its fixed trajectory: problem, adjustment and
+/// covariances.
 struct PlaneCalibration {
   PlaneProblem problem;
   PlaneAdjustment adjustment;
@@ -24,7 +24,6 @@ struct PlaneCalibration {
   /// Boresight with its reliable covariance; sigma_apriori_rad and sigma_scaled_rad are set.
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;  ///< lidar_range_offset, if it is estimated
-  ModelCheck model_check;
   AdjustmentFigures figures;  ///< correspondences are points; outliers are points left out
   double solve_time_s = 0.0;
   double covariance_time_s = 0.0;
@@ -51,10 +50,7 @@ void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found);
 ///                   half of the point's own noise, and exceeds 0.01 deg in roll or pitch or
 ///                   0.02 deg in heading; or the laser vectors were computed with an assumed
 ///                   boresight (GaussHelmertFlightOptions::vectors),
-///   contradicted    the points have more than twice their stated variance about the planes, or an
-///                   angle exceeds 15 deg;
 ///   calibrated      otherwise.
-/// Errors of the lidar (time tags, lever arm, ranges, scan angles) are not tested.
 ///
 /// Throws InvalidConfig if `estimate` does not name the boresight; InvalidInput; RankDeficient as
 /// ExpectEnoughPlanes does, or if a direction is not determined; NotConverged; Interrupted.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <dn/adjustment/finding.h>
-#include <dn/adjustment/model_check.h>
 
 #include <string>
 #include <vector>
@@ -10,9 +9,6 @@ namespace dn {
 
 /// Returns "calibrated", "absorbed", "not_observable" or "contradicted".
 const char* Word(Verdict verdict);
-
-/// Returns "consistent" or "contradicted", for a trajectory without boresight.
-const char* Word(const ModelCheck& check);
 
 /// These functions return one sentence per finding, without its full stop: what is wrong, by how
 /// much, and what to do.

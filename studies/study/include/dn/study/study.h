@@ -2,7 +2,7 @@
 
 #include <dn/adjustment/bias_correlation.h>
 #include <dn/adjustment/result.h>
-#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/solution.h>
 #include <dn/study/design.h>
 
 #include <optional>

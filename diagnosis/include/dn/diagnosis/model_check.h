@@ -1,0 +1,107 @@
+#pragma once
+
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/checks.h>
+#include <dn/adjustment/finding.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/plane_flight.h>
+#include <dn/adjustment/result.h>
+#include <dn/solvers/marginals.h>
+
+#include <vector>
+
+namespace dn {
+
+/// Results of the tests of whether the data of an adjusted flight agree with the assumed model.
+struct ModelCheck {
+  bool of_boresight = false;  ///< true: the watched unknowns are the boresight; otherwise poses
+  std::vector<GroupCheck> groups;
+  std::vector<CommonErrorCheck> common_errors;
+  std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
+  /// Unmodelled discrepancies, tested jointly with `effects`.
+  std::vector<DiscrepancyCheck> discrepancies;
+  std::vector<UndetectableEffect> undetectable;         ///< largest shift first
+  std::vector<CompetingEffectCheck> competing_effects;  ///< competing effects of estimated unknowns
+  std::vector<PriorCheck> priors;
+  /// Clock errors. They are from the GNSS screening if it found the clock off, else from the
+  /// adjustment if it estimates them. Otherwise offset and drift are estimated jointly from the
+  /// scores of their effects.
+  Clocks clocks;
+  double gnss_clock_shift = 0.0;     ///< of gnss_clock, like EffectCheck::max_shift_sigmas
+  double sigma0_with_effects = 1.0;  ///< sigma0 if `effects` were estimated, first order
+  double p_value = 1.0;              ///< smallest p-value of all tests, family-wise
+  std::vector<Finding> findings;     ///< the contradicting ones first
+
+  double SmallestPValue() const;  ///< of all tests; 1 if there are none
+  bool contradicted() const;
+};
+
+/// Tests the model of an adjusted flight without solving it again:
+///
+///   groups         r^T r of a group is a quadratic form of the errors with the mean tr(M_gg) (the
+///                  sum of redundancy numbers) and the variance 2 tr(M_gg^2).
+///   common errors  the same for sums of residuals over time windows and over strip pairs.
+///   effects        forward selection by score tests of all effects that are not estimated: the
+///                  likeliest becomes an unknown, and the others are tested again. The evidence is the likelihood ratio,
+///                  averaged over sizes around the typical one. Each effect has the shift of the
+///                  boresight that its estimate predicts.
+///   discrepancies  score tests of laser vectors that differ by scan angle or by strip, after the
+///                  found effects are estimated: significant ones are unmodelled discrepancies.
+///   undetectable   effects whose typical size is below the minimal detectable bias, but shifts a
+///                  watched unknown by more than its sigma. They depend on the geometry only, not
+///                  on the measured values.
+///   competing      score tests with another effect instead of an estimated unknown, and the
+///                  boresight that it would give.
+///   priors         predicted residual of each stated prior (PredictFactor).
+///   others         shares of rejected pairs and GNSS epochs, size of the boresight, sigma0.
+///
+/// tr(M_gg^2) and the moments of the sums over windows are estimated from 32 samples of M e, e ~
+/// N(0, I), with a fixed seed. The p-values are those of a chi-square distribution with the same
+/// mean and variance.
+///
+/// A finding contradicts the model in these cases:
+///   - an effect or a common error is significant at the family-wise level 0.001, and shifts the
+///     boresight (without pairs: an attitude or a position) by more than its sigma;
+///   - an unmodelled discrepancy is significant at that level, or a stated prior is contradicted;
+///   - a group has more than twice its variance after the found effects, or sigma0 exceeds 3;
+///   - more than 30 % of the pairs or 10 % of the GNSS epochs were rejected;
+///   - a boresight angle exceeds 15 deg, or the body is upside down;
+///   - the GNSS clock error shifts a watched unknown by more than its sigma;
+///   - the configuration says that a diagnosis found an unmodelled discrepancy.
+///
+/// `marginals` must be of the adjusted network, with its selected inverse. `trajectory` must be the
+/// result of ExtractTrajectory for both. CheckFit makes the tests that apply to any network.
+ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
+                      const TrajectoryResult& trajectory, int threads = 1);
+
+/// Tests the model of a Gauss-Helmert adjustment by its misclosures. Contradictions are
+///   - an effect of the lidar (time tags, lever arm, ranges, scan angles) that shifts the boresight
+///     by more than its sigma, or an unmodelled discrepancy;
+///   - misclosures with more than twice their stated variance after the found effects;
+///   - more than 30 % of the pairs as outliers, or a stated prior that contradicts the pairs;
+///   - an angle above 15 deg.
+///
+/// Effects are tested jointly with time-correlated errors of the trajectory, of the stated size or
+/// larger. Effects that resemble such errors stay undetectable. They are late tags in quiet flight,
+/// a lever arm in strips at one height, a mount that moves, and a constant attitude error.
+ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calibration);
+
+/// Tests the model of a plane adjustment. Contradictions are points with more than twice their
+/// stated variance about the planes, and an angle above 15 deg. Errors of the lidar (time tags,
+/// lever arm, ranges, scan angles) are not tested.
+ModelCheck CheckModel(const Flight& flight, const PlaneCalibration& calibration);
+
+/// Tests the model of a calibration (CheckModel), and adds the findings to its boresight (Assess).
+ModelCheck AssessModel(const Flight& flight, GaussHelmertCalibration* calibration);
+ModelCheck AssessModel(const Flight& flight, PlaneCalibration* calibration);
+
+/// Returns "consistent" or "contradicted", for a trajectory without boresight.
+const char* Word(const ModelCheck& check);
+
+/// Adds the findings of the check to the reasons of a boresight, before the other reasons. A fact
+/// of the check replaces reasons of the same type. Sets the verdict to contradicted if the check
+/// contradicts. Otherwise sets it to not observable if a competing effect of an estimated unknown
+/// shifts the boresight by more than its sigma.
+void Assess(const ModelCheck& check, BoresightResult* boresight);
+
+}  // namespace dn

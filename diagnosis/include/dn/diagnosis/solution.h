@@ -1,0 +1,65 @@
+#pragma once
+
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/result.h>
+#include <dn/adjustment/trajectory_covariance.h>
+#include <dn/diagnosis/model_check.h>
+#include <dn/solvers/marginals.h>
+
+#include <optional>
+#include <vector>
+
+namespace dn {
+
+/// A solved flight: its network, linearised at the solution, and the marginal covariances of all
+/// unknowns. All results are derived from these.
+///
+///   const dn::Solution solution(flight);
+///   const dn::BoresightResult boresight = solution.Boresight();
+///
+/// Expensive results are computed on first use and cached, so an object may be used by one thread
+/// at a time. The flight must outlive the solution.
+class Solution {
+ public:
+  /// Adjusts the flight. Throws as Adjust does, and RankDeficient if an unknown is not determined.
+  explicit Solution(const Flight& flight, const AdjustOptions& options = {});
+  Solution(const Flight&& flight, const AdjustOptions& options = {}) = delete;
+
+  /// Takes a flight that is already adjusted.
+  explicit Solution(Adjustment adjustment, int threads = 1);
+
+  const Adjustment& adjustment() const { return adjustment_; }
+  const FlightNetwork& network() const { return *adjustment_.network; }
+  /// The marginals have their selected inverse.
+  const Marginals& marginals() const { return marginals_; }
+  const LinearizedNetwork& linearized() const { return marginals_.linearized(); }
+
+  /// Returns sigmas of poses and biases, figures of the adjustment, and statistics of its
+  /// residuals.
+  const TrajectoryResult& trajectory() const;
+
+  /// Returns the results of the tests of the assumed model.
+  const ModelCheck& model_check() const;
+
+  /// Returns the boresight with the verdict of its geometry. Throws RankDeficient if it is
+  /// constant.
+  BoresightResult Boresight() const;
+  /// Returns the boresight with the verdict and the findings of the model check (Assess).
+  BoresightResult CheckedBoresight() const;
+
+  /// Returns the other estimated unknowns.
+  std::vector<UnknownEstimate> Unknowns() const;
+
+  /// Returns the joint covariance of poses on the strips, at the nodes chosen by
+  /// ExtractTrajectoryCovariance.
+  TrajectoryCovariance PoseCovariance(const std::vector<StripInterval>& strips) const;
+
+ private:
+  Adjustment adjustment_;
+  int threads_;
+  Marginals marginals_;
+  mutable std::optional<TrajectoryResult> trajectory_;
+  mutable std::optional<ModelCheck> model_check_;
+};
+
+}  // namespace dn

@@ -1,0 +1,193 @@
+#include "competing_hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+// Priors: no effect 0.5, effects of the table 0.4, unmodelled discrepancies 0.1, each split
+// equally.
+constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorDiscrepancy = 0.1;
+constexpr double kCredible = 0.95;
+/// Probability of unmodelled discrepancies above which no effect is named.
+constexpr double kWithoutName = 0.5;
+// Fractions of the causes with nearly all the evidence that were truly present in development
+// flights. They are 180 of 187, and 17 of 38 if a gap remained. A fifth of these flights had
+// physics outside the table.
+constexpr double kBorneOut = 0.95, kBorneOutWithUnknown = 0.45;
+
+std::vector<double> LogPriors(const std::vector<HypothesisEvidence>& effects) {
+  const auto physical = std::count_if(effects.begin(), effects.end(),
+                                      [](const HypothesisEvidence& e) { return e.physical(); });
+  const auto discrepancy = static_cast<double>(effects.size()) - static_cast<double>(physical);
+  std::vector<double> log_priors;
+  for (const HypothesisEvidence& effect : effects) {
+    log_priors.push_back(
+        effect.physical()
+            ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
+            : std::log(kPriorDiscrepancy / std::max(1.0, discrepancy)));
+  }
+  return log_priors;
+}
+
+/// Returns the smallest set of names with the stated probability, given that some effect is
+/// present.
+std::vector<std::string> CredibleSet(const std::vector<HypothesisEvidence>& effects,
+                                     const std::vector<double>& posterior) {
+  std::vector<std::size_t> order(effects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return posterior[a] > posterior[b]; });
+  double all = 0.0;
+  for (std::size_t k = 0; k < effects.size(); ++k) all += posterior[k];
+  std::vector<std::string> names;
+  double sum = 0.0;
+  for (const std::size_t k : order) {
+    if (sum >= kCredible * all) break;
+    sum += posterior[k];
+    if (effects[k].physical()) names.push_back(effects[k].name);
+  }
+  return names;
+}
+
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+double ProbabilityIn(const CompetingHypotheses& set, const std::string& name) {
+  for (std::size_t k = 0; k < set.competing_effects.size(); ++k) {
+    if (set.competing_effects[k].name == name) return set.posterior[k];
+  }
+  return 0.0;
+}
+
+double ProbabilityInAny(const std::vector<CompetingHypotheses>& sets, const std::string& name) {
+  double absent = 1.0;
+  for (const CompetingHypotheses& set : sets) absent *= 1.0 - ProbabilityIn(set, name);
+  return 1.0 - absent;
+}
+
+void TakeHypotheses(const CompetingHypotheses& set, GapCause* cause) {
+  cause->posterior = ProbabilityIn(set, cause->effect);
+  const double log_evidence = FindEvidence(set.competing_effects, cause->effect);
+  if (std::isfinite(log_evidence)) cause->log_evidence = log_evidence;
+  for (const std::string& name : set.credible_set) {
+    if (name != cause->effect) cause->inseparable_from.push_back(name);
+  }
+}
+
+/// Returns whether an unmodelled discrepancy is the more probable explanation. It must also fit the
+/// data as well as the effect does; a more suitable typical size is not enough.
+bool Doubtful(const CompetingHypotheses& set) {
+  if (set.discrepancy_posterior <= kWithoutName) return false;
+  const auto own = std::find_if(set.competing_effects.begin(), set.competing_effects.end(),
+                                [&](const auto& other) { return other.name == set.effect; });
+  const auto discrepancy = std::max_element(
+      set.competing_effects.begin(), set.competing_effects.end(), [](const auto& a, const auto& b) {
+        return a.physical() != b.physical() ? a.physical() : a.log_evidence < b.log_evidence;
+      });
+  return own == set.competing_effects.end() || discrepancy->statistic >= own->statistic;
+}
+
+std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& sets) {
+  std::vector<std::string> names;
+  for (const CompetingHypotheses& set : sets) {
+    for (const std::string& name : set.credible_set) {
+      if (!Has(names, name)) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<double> Posterior(const std::vector<HypothesisEvidence>& effects) {
+  const std::vector<double> log_priors = LogPriors(effects);
+  double largest = std::log(kPriorNothing);
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    largest = std::max(largest, log_priors[k] + effects[k].log_evidence);
+  }
+  std::vector<double> posterior;
+  double sum = kPriorNothing * std::exp(-largest);
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    posterior.push_back(std::exp(log_priors[k] + effects[k].log_evidence - largest));
+    sum += posterior.back();
+  }
+  for (double& one : posterior) one /= sum;
+  return posterior;
+}
+
+CompetingHypotheses MakeCompetingHypotheses(
+    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects) {
+  CompetingHypotheses set;
+  set.effect = effect;
+  set.competing_effects = competing_effects;
+  set.posterior = Posterior(competing_effects);
+  set.credible_set = CredibleSet(competing_effects, set.posterior);
+  for (std::size_t k = 0; k < competing_effects.size(); ++k) {
+    if (!competing_effects[k].physical()) set.discrepancy_posterior += set.posterior[k];
+  }
+  return set;
+}
+
+void FillCauses(const std::vector<HypothesisEvidence>& screened,
+                const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
+                GapDiagnosis* diagnosis) {
+  for (const GapCause& cause : named) {
+    diagnosis->causes.push_back(cause);
+    for (const CompetingHypotheses& set : sets) {
+      if (set.effect == cause.effect) TakeHypotheses(set, &diagnosis->causes.back());
+    }
+  }
+  for (const HypothesisEvidence& effect : screened) {
+    const double posterior = ProbabilityInAny(sets, effect.name);
+    if (!effect.physical()) {
+      diagnosis->discrepancies.push_back(
+          {effect.name, effect.log_evidence, posterior, effect.period_s, effect.decay_s});
+      continue;
+    }
+    const auto taken = std::any_of(named.begin(), named.end(), [&](const GapCause& cause) {
+      return cause.effect == effect.name;
+    });
+    if (taken) continue;
+    diagnosis->causes.push_back(ToCause(effect));
+    diagnosis->causes.back().posterior = posterior;
+  }
+}
+
+void ScaleToObservedRates(const GapVerdict& verdict, std::vector<GapCause>* causes) {
+  const bool something = verdict.unknown || !verdict.effects.empty();
+  if (!something) return;
+  const double share = verdict.unknown ? kBorneOutWithUnknown : kBorneOut;
+  for (GapCause& cause : *causes) cause.posterior *= share;
+}
+
+GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
+                  const std::vector<CompetingHypotheses>& sets) {
+  GapVerdict verdict;
+  if (!decision.detected) return verdict;
+  const bool doubtful = std::any_of(sets.begin(), sets.end(), Doubtful);
+  if (named.empty() || decision.discrepancy_is_better || (named.size() == 1 && doubtful)) {
+    verdict.kind = GapVerdictKind::kUnknown;
+    verdict.unknown = true;
+    if (!named.empty()) verdict.credible_set = CredibleInAny(sets);
+    return verdict;
+  }
+  verdict.effects = named;
+  verdict.credible_set = CredibleInAny(sets);
+  const bool group = std::any_of(sets.begin(), sets.end(), [](const CompetingHypotheses& set) {
+    return set.credible_set.size() > 1;
+  });
+  verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
+  if (decision.gap_remains || doubtful) {
+    verdict.kind = GapVerdictKind::kPartial;
+    verdict.unknown = true;
+  }
+  return verdict;
+}
+
+}  // namespace dn::internal

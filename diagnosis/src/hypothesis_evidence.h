@@ -1,0 +1,52 @@
+#pragma once
+
+#include <dn/diagnosis/diagnosis.h>
+#include <dn/effects/effect_table.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "hypothesis.h"
+
+namespace dn::internal {
+
+/// A hypothesis with its evidence. Of several hypotheses with one name, it is the one whose window,
+/// start and time constant explain the data best. SI.
+struct HypothesisEvidence : Hypothesis {
+  double log_evidence = 0.0;      ///< averaged over sizes, windows and time constants
+  double p_value = 1.0;           ///< of this hypothesis, times the number of tests
+  double statistic = 0.0;         ///< chi-square; 0 for a process
+  Eigen::VectorXd estimate = {};  ///< for a process: sigmas, then tau
+  Eigen::VectorXd sigma = {};     ///< NaN for a tau
+  double absorbed = 0.0;          ///< fraction of the signature that the unknowns absorb
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+
+  bool physical() const { return id.has_value(); }
+};
+
+/// Sorts effects by evidence, most probable first.
+void SortByEvidence(std::vector<HypothesisEvidence>* effects);
+
+/// Returns whether one of the effects is this effect of the table.
+bool Contains(const std::vector<HypothesisEvidence>& effects, EffectId id);
+
+/// Returns the effect with this name; null if it is not in the list.
+const HypothesisEvidence* FindByName(const std::vector<HypothesisEvidence>& effects,
+                                     const std::string& name);
+/// Returns the evidence of the effect with this name; minus infinity if it is not in the list.
+double FindEvidence(const std::vector<HypothesisEvidence>& effects, const std::string& name);
+/// Returns the most probable unmodelled discrepancy; null if there are none.
+const HypothesisEvidence* BestDiscrepancy(const std::vector<HypothesisEvidence>& effects);
+/// Returns the largest evidence of an unmodelled discrepancy, at least 0.
+double DiscrepancyEvidence(const std::vector<HypothesisEvidence>& effects);
+/// Returns the most probable effect of the table, from effects sorted by evidence; null if there
+/// are none.
+const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& effects);
+
+/// Converts an effect to the units of the table.
+GapCause ToCause(const HypothesisEvidence& effect);
+/// Converts several effects to the units of the table.
+std::vector<GapCause> ToCauses(const std::vector<HypothesisEvidence>& effects);
+
+}  // namespace dn::internal

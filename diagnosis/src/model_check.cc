@@ -1,0 +1,329 @@
+#include <dn/adjustment/words.h>
+#include <dn/diagnosis/model_check.h>
+#include <dn/effects/effect_table.h>
+#include <dn/files/flight.h>
+#include <dn/parallel.h>
+#include <dn/report/distributions.h>
+#include <dn/solvers/fit_check.h>
+#include <dn/solvers/prediction.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common_errors.h"
+#include "competing_effects.h"
+#include "detectability.h"
+#include "discrepancies.h"
+#include "model_findings.h"
+#include "network_hypotheses.h"
+#include "score_selection.h"
+
+namespace dn {
+namespace internal {
+namespace {
+
+constexpr int kWatchedNodes = 8;
+// Cost, in nats, of averaging the evidence over the size of an error instead of taking the
+// likeliest size.
+constexpr double kSizeAveragingNats = 2.0;
+
+std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
+  if (network.pair_edges.empty()) return {};
+  std::vector<Hypothesis> discrepancies{LaserByScanAngle(network)};
+  const std::vector<StripInterval> strips = FindStrips(network.flight());
+  if (strips.size() > 1 && strips.size() <= kMaxJointStrips) {
+    discrepancies.push_back(LaserByStrip(strips));
+  }
+  return discrepancies;
+}
+
+class Checker {
+ public:
+  Checker(const Adjustment& adjustment, const Marginals& marginals,
+          const TrajectoryResult& trajectory, int threads)
+      : network_(*adjustment.network),
+        marginals_(marginals),
+        trajectory_(trajectory),
+        gnss_clock_(adjustment.gnss_clock),
+        linearized_(marginals.linearized()),
+        threads_(threads) {}
+
+  ModelCheck Run() {
+    auto sums = Beside(threads_, [&] { FormSums(); });
+    library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
+    Watch();
+    JointScore score = ScoreHypotheses();
+    sums.get();
+    family_.tests = static_cast<double>(forms_.size() + library_.hypotheses.size());
+    CheckPriors();
+    FindEffects(std::move(score));
+    const Eigen::VectorXd left = ResidualWithEffects();
+    check_.sigma0_with_effects =
+        trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
+    CheckGroups(left);
+    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    CheckCommonErrors(left);
+    check_.p_value = check_.SmallestPValue();
+    return std::move(check_);
+  }
+
+ private:
+  /// Makes the tested sums of residuals, and their moments under the assumed model.
+  void FormSums() {
+    forms_ = ChannelForms(linearized_);
+    num_channels_ = forms_.size();
+    std::vector<ResidualForm> common = CommonErrorForms(network_, linearized_);
+    std::move(common.begin(), common.end(), std::back_inserter(forms_));
+    moments_ = ComputeFormMoments(marginals_, forms_);
+  }
+
+  /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
+  void Watch() {
+    if (!network_.pair_edges.empty() && !network_.net.block(network_.boresight.id).held) {
+      watched_.push_back(network_.boresight.id);
+    } else {
+      family_.of_boresight = false;
+      const std::size_t n = network_.nodes.size();
+      for (int k = 1; k <= kWatchedNodes; ++k) {
+        const NodeBlocks& node = network_.nodes[n * static_cast<std::size_t>(k) /
+                                                (static_cast<std::size_t>(kWatchedNodes) + 1)];
+        watched_.push_back(node.q_mb.id);
+        watched_.push_back(node.p_mb.id);
+      }
+    }
+    check_.of_boresight = family_.of_boresight;
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(linearized_.parameters(),
+                                                 3 * static_cast<Eigen::Index>(watched_.size()));
+    family_.watched_sigma.resize(unit.cols());
+    for (std::size_t k = 0; k < watched_.size(); ++k) {
+      const auto column = 3 * static_cast<Eigen::Index>(k);
+      unit.block<3, 3>(linearized_.FirstColumn(watched_[k]), column).setIdentity();
+      family_.watched_sigma.segment<3>(column) =
+          marginals_.DiagonalBlock(watched_[k]).diagonal().cwiseSqrt();
+    }
+    // The shift of the watched unknowns by a unit error of each row.
+    gain_ = linearized_.Times(marginals_.Solve(unit));
+  }
+
+  void CheckGroups(const Eigen::VectorXd& with_effects) {
+    for (std::size_t g = 0; g < num_channels_; ++g) {
+      const ChannelFit fit =
+          TestChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
+      GroupCheck group;
+      group.name = fit.name;
+      group.observations = fit.observations;
+      group.redundancy = fit.redundancy;
+      group.variance_ratio = fit.variance_ratio;
+      group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
+      group.p_value = family_.FamilyWise(fit.p_value);
+      group.worst_t_s = fit.worst.row.t_s;
+      group.worst_standardised = fit.worst.standardised;
+      check_.groups.push_back(std::move(group));
+    }
+  }
+
+  void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
+    for (std::size_t c = num_channels_; c < forms_.size(); ++c) {
+      const FormMoments& moments = moments_[c];
+      CommonErrorCheck common;
+      common.name = forms_[c].name;
+      common.group = forms_[c].channel;
+      const double energy = forms_[c].Energy(linearized_.residual());
+      common.ratio = energy / std::max(moments.mean, 1e-300);
+      common.p_value = family_.FamilyWise(moments.UpperTail(energy));
+      if (moments.variance > 0.0 && common.ratio > 1.0) {
+        common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
+                              kSizeAveragingNats;
+      }
+      const double left = forms_[c].Energy(with_effects);
+      common.explained = family_.FamilyWise(moments.UpperTail(left)) > kFamilyLevel;
+      const double variance =
+          moments.variance > 0.0 ? 2.0 * (left - moments.mean) / moments.variance : 0.0;
+      common.sigma = std::sqrt(std::max(0.0, variance));
+      const Eigen::VectorXd move =
+          forms_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
+      common.max_shift_sigmas = family_.InSigmas(move);
+      if (common.p_value <= kFamilyLevel) common.worst = WorstLabel(forms_[c]);
+      check_.common_errors.push_back(std::move(common));
+    }
+  }
+
+  /// Returns the label whose residuals agree most in their sign.
+  std::string WorstLabel(const ResidualForm& form) const {
+    const Eigen::VectorXd sum = form.SumByLabel(linearized_.residual());
+    const Eigen::VectorXd count =
+        form.SumByLabel(Eigen::VectorXd::Ones(linearized_.rows())).cwiseSqrt();
+    Eigen::Index worst = 0;
+    sum.cwiseQuotient(count).cwiseAbs().maxCoeff(&worst);
+    return form.label_name[static_cast<std::size_t>(worst)];
+  }
+
+  /// Returns the score of the hypotheses. Its shift has the watched unknowns first, then the
+  /// estimated effects.
+  JointScore ScoreHypotheses() const {
+    std::vector<BlockId> shifted = watched_;
+    for (const BlockId unknown : EffectUnknowns(network_)) shifted.push_back(unknown);
+    return ScoreEffects(marginals_, library_.blocks, shifted);
+  }
+
+  void FindEffects(JointScore score) {
+    check_.competing_effects = FindCompetingEffects(network_, marginals_, library_, score, watched_,
+                                                    EffectUnknowns(network_), family_);
+    score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+    selection_ = SelectByScores(library_, score, family_);
+    check_.effects = selection_.effects;
+    check_.undetectable = FindUndetectable(library_, score, family_);
+    FindClocks(score);
+  }
+
+  /// Returns the noise variance of the pairs, after the found effects, over the stated one; at
+  /// least 1.
+  double PairExcess() const {
+    double ratio = 1.0;
+    for (const GroupCheck& group : check_.groups) {
+      if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_with_effects);
+    }
+    return ratio;
+  }
+
+  void FindClocks(const JointScore& score) {
+    if (!network_.gnss_edges.empty()) {
+      check_.clocks.gnss =
+          EstimateClock(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score);
+    }
+    if (!network_.pair_edges.empty()) {
+      check_.clocks.lidar =
+          EstimateClock(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, score);
+    }
+    if (!gnss_clock_) return;
+    check_.clocks.gnss = gnss_clock_;
+    Eigen::VectorXd move = Eigen::VectorXd::Zero(family_.watched_sigma.size());
+    const auto add = [&](EffectId effect, double change) {
+      for (const Eigen::Index c : FindComponents(effect, score))
+        move += change * score.shift.col(c);
+    };
+    add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
+    add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
+    check_.gnss_clock_shift = family_.InSigmas(move);
+  }
+
+  /// Returns the components of an effect in the score; empty if it is an unknown of the network.
+  std::vector<Eigen::Index> FindComponents(EffectId effect, const JointScore& score) const {
+    for (const Hypothesis& hypothesis : library_.hypotheses) {
+      if (hypothesis.id == effect) return hypothesis.Components(score);
+    }
+    return {};
+  }
+
+  std::optional<ClockEstimate> EstimateClock(EffectId offset, EffectId drift,
+                                             const JointScore& score) const {
+    std::vector<Eigen::Index> components = FindComponents(offset, score);
+    const std::vector<Eigen::Index> drift_components = FindComponents(drift, score);
+    components.insert(components.end(), drift_components.begin(), drift_components.end());
+    ScoreTest test;
+    if (!components.empty()) test = TestJointly(score, components);
+    if (test.dof < static_cast<int>(components.size())) return std::nullopt;
+    Eigen::Index at = 0;
+    const auto take = [&](EffectId effect, double* value, double* sigma) {
+      if (!FindComponents(effect, score).empty()) {
+        *value = test.estimate[at];
+        *sigma = std::sqrt(test.covariance(at, at));
+        ++at;
+        return;
+      }
+      const BlockId block = network_.net.Find(EffectName(effect));
+      *value = network_.net.block(block).value[0];
+      *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
+    };
+    ClockEstimate clock;
+    take(offset, &clock.offset_s, &clock.sigma_offset_s);
+    take(drift, &clock.drift, &clock.sigma_drift);
+    if (at == 2) {
+      clock.correlation = test.covariance(0, 1) / (clock.sigma_offset_s * clock.sigma_drift);
+    }
+    return clock;
+  }
+
+  /// Returns the residuals as they would be if the found effects were estimated.
+  Eigen::VectorXd ResidualWithEffects() const {
+    if (selection_.chosen.empty()) return linearized_.residual();
+    Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
+    for (const HypothesisEvidence& effect : selection_.chosen) {
+      for (const EffectPart& part : library_.blocks[effect.block]) {
+        const auto rows = linearized_.FindRows(part.factor);
+        if (!rows) continue;
+        added.segment(rows->first, rows->count) +=
+            std::sqrt(rows->weight) * part.L * effect.estimate;
+      }
+    }
+    return linearized_.residual() + marginals_.Project(added);
+  }
+
+  void CheckPriors() {
+    for (const LinearizedNetwork::FactorRows& rows : linearized_.factors()) {
+      const bool is_prior = linearized_.group(rows.factor).kind == FactorGroup::Kind::kPrior;
+      if (!is_prior || std::isfinite(linearized_.t_s(rows.factor))) continue;
+      const BlockRecord& block =
+          network_.net.block(network_.net.factor(rows.factor).blocks.front());
+      const Prediction prediction = PredictFactor(marginals_, rows.factor);
+      if (!prediction.determined) continue;
+      const double p = ChiSquareTail(prediction.statistic, rows.count);
+      check_.priors.push_back(
+          {block.name, prediction.statistic, rows.count, family_.FamilyWise(p)});
+    }
+  }
+
+  const FlightNetwork& network_;
+  const Marginals& marginals_;
+  const TrajectoryResult& trajectory_;
+  const std::optional<ClockEstimate>& gnss_clock_;  // from the INS/GNSS solution
+  const LinearizedNetwork& linearized_;
+  int threads_;
+  std::vector<ResidualForm> forms_;  // forms of the channels, then of common errors
+  std::size_t num_channels_ = 0;
+  Library library_;
+  std::vector<BlockId> watched_;
+  TestFamily family_;
+  Eigen::MatrixXd gain_;  // rows x watched coordinates
+  std::vector<FormMoments> moments_;
+  ScoreSelection selection_;
+  ModelCheck check_;
+};
+
+}  // namespace
+}  // namespace internal
+
+ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
+                      const TrajectoryResult& trajectory, int threads) {
+  ModelCheck check = internal::Checker(adjustment, marginals, trajectory, threads).Run();
+  internal::AddFindings(adjustment, trajectory, &check);
+  return check;
+}
+
+double ModelCheck::SmallestPValue() const {
+  double smallest = 1.0;
+  const auto note = [&](const auto& tests) {
+    for (const auto& test : tests) smallest = std::min(smallest, test.p_value);
+  };
+  note(groups);
+  note(common_errors);
+  note(effects);
+  note(discrepancies);
+  note(priors);
+  return smallest;
+}
+
+const char* Word(const ModelCheck& check) {
+  return check.contradicted() ? Word(Verdict::kContradicted) : "consistent";
+}
+
+bool ModelCheck::contradicted() const {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) { return finding.contradicts; });
+}
+
+}  // namespace dn

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/plane_flight.h>
+#include <dn/diagnosis/model_check.h>
+
+namespace dn::internal {
+
+/// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
+void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
+                 ModelCheck* check);
+void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
+                 ModelCheck* check);
+void AddFindings(const Flight& flight, const PlaneCalibration& calibration, ModelCheck* check);
+
+}  // namespace dn::internal

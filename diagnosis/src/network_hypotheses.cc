@@ -1,0 +1,366 @@
+#include "network_hypotheses.h"
+
+#include <dn/autodiff.h>
+#include <dn/effects/effect_table.h>
+#include <dn/imu/imu_means.h>
+#include <dn/parallel.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "pair_columns.h"
+#include "time_cells.h"
+
+namespace dn::internal {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr std::size_t kMaxStepTimes = 6;
+// The samples are averaged over intervals of this length before they are used in derivatives.
+constexpr double kMeanInterval_s = 0.02;
+
+/// Returns times between strips, in order of time, at which the mount may have slipped; six at most.
+std::vector<double> StepTimes(const std::vector<StripInterval>& strips) {
+  std::vector<double> t_s;
+  for (std::size_t k = 1; k < strips.size(); ++k) {
+    t_s.push_back(0.5 * (strips[k - 1].t1_s + strips[k].t0_s));
+  }
+  if (t_s.size() > kMaxStepTimes) {
+    std::vector<double> some;
+    for (std::size_t k = 0; k < kMaxStepTimes; ++k)
+      some.push_back(t_s[k * t_s.size() / kMaxStepTimes]);
+    return some;
+  }
+  return t_s;
+}
+
+/// Edges of one kind, with the factor that they would have under a calibration with all hypotheses.
+struct EdgeKind {
+  std::vector<FactorId> edges;
+  std::vector<std::size_t> effects;  ///< effects in the order of the factor's last blocks
+  /// Number of last blocks of the network's factor that are effects of the network. It is absent
+  /// for GNSS edges without the block of the velocity.
+  std::optional<std::size_t> own_effects = {};
+  std::vector<std::size_t> nodes;  ///< nodes of GNSS edges
+  std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
+};
+
+/// Adds every hypothesis to the edges, with the value zero, and computes the derivatives.
+class NetworkHypotheses {
+ public:
+  NetworkHypotheses(const FlightNetwork& network, int threads,
+                    const std::vector<Hypothesis>& discrepancies)
+      : network_(network),
+        threads_(threads),
+        means_(AverageSamples(*network.flight().imu, kMeanInterval_s)),
+        state_(network.Calibration()),
+        num_discrepancies_(discrepancies.size()) {
+    for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
+    for (const Hypothesis& discrepancy : discrepancies) AddAtZero(discrepancy);
+    state_columns_.assign(state_.effects.size(), nullptr);
+  }
+
+  Library Run() {
+    MatchStates();
+    MakeBridgingEdges();
+    AddInertial();
+    AddGnss();
+    AddPairs();
+    Library out;
+    const std::size_t first_discrepancy = found_.hypotheses.size() - num_discrepancies_;
+    for (std::size_t k = 0; k < found_.hypotheses.size(); ++k) {
+      if (k < first_discrepancy && found_.blocks[k].empty()) continue;
+      out.Add(std::move(found_.hypotheses[k]), std::move(found_.blocks[k]));
+    }
+    return out;
+  }
+
+ private:
+  void Add(const EstimableEffect& effect) {
+    const EffectSpec& spec = EffectRow(effect.id);
+    const bool of_lidar = spec.sensor == EffectSensor::kLidar;
+    if (of_lidar ? network_.pair_edges.empty()
+                 : spec.sensor == EffectSensor::kGnss && network_.gnss_edges.empty()) {
+      return;
+    }
+    if (effect.make == nullptr) {
+      AddBlock(effect, of_lidar);
+    } else if (spec.timing == EffectTiming::kStart) {
+      for (const double t0_s : StepTimes(InTime(FindStrips(network_.flight())))) {
+        AddAtZero(MakeHypothesis(effect, {network_.flight(), {.t0_s = t0_s}}));
+      }
+    } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {
+      AddAtZero(MakeHypothesis(effect, {network_.flight()}));
+    }
+  }
+
+  bool Estimated(const std::string& name) const {
+    return std::any_of(network_.effects.begin(), network_.effects.end(),
+                       [&](const EffectBlock& effect) { return effect.name == name; });
+  }
+
+  void AddAtZero(const Hypothesis& hypothesis) {
+    at_zero_.push_back(found_.hypotheses.size());
+    state_.Insert(
+        {hypothesis.name, hypothesis.action, Eigen::VectorXd::Zero(hypothesis.typical.size())});
+    found_.Add(hypothesis, {});
+  }
+
+  /// Adds a constant block as a hypothesis: the change from its constant value.
+  void AddBlock(const EstimableEffect& effect, bool of_lidar) {
+    const BlockId block = network_.net.Find(effect.name());
+    if (!network_.net.block(block).held) return;
+    found_.Add(MakeHypothesis(effect, {network_.flight()}), {});
+    if (!of_lidar) AddGnssBlock(block);
+  }
+
+  void AddGnssBlock(BlockId block) {
+    std::vector<FactorId> factors;
+    for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
+      factors.push_back(edge.position);
+      if (edge.velocity >= 0) factors.push_back(edge.velocity);
+    }
+    std::vector<Eigen::MatrixXd> derivatives(factors.size());
+    ParallelFor(static_cast<int>(factors.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      derivatives[k] = BlockDerivative(block, factors[k]);
+    });
+    AppendColumns(factors, derivatives, 0, found_.hypotheses.back().typical.size(),
+                  &found_.blocks.back());
+  }
+
+  /// Returns the derivative of an active factor by a block whose stored coordinates are the tangent
+  /// ones. It is empty for an inactive factor.
+  Eigen::MatrixXd BlockDerivative(BlockId block, FactorId factor) const {
+    const FactorRecord& record = network_.net.factor(factor);
+    if (!record.active) return {};
+    std::vector<const double*> x;
+    for (const BlockId id : record.blocks) x.push_back(Value(id));
+    const auto at = std::find(record.blocks.begin(), record.blocks.end(), block);
+    Eigen::VectorXd r(record.factor->residual_size());
+    RowMajor L(r.size(), network_.net.block(block).kind.stored_size);
+    std::vector<double*> J(x.size(), nullptr);
+    J[static_cast<std::size_t>(at - record.blocks.begin())] = L.data();
+    if (!network_.net.EvaluateStored(factor, x.data(), r.data(), J.data())) return {};
+    return L;
+  }
+
+  /// Assigns columns to each effect of the state. Both lists have the order of EstimableEffects;
+  /// the state also has the effects of the network.
+  void MatchStates() {
+    auto next = at_zero_.begin();
+    for (std::size_t k = 0; k < state_.effects.size(); ++k) {
+      const bool own = OwnBlock(k) >= 0;
+      state_columns_[k] = own ? nullptr : &found_.blocks[*next++];
+    }
+  }
+
+  /// Returns the block of the network for an effect of the state; -1 for a hypothesis.
+  BlockId OwnBlock(std::size_t k) const {
+    const CalibrationValue& value = state_.effects[k];
+    const bool first = k == 0 || state_.effects[k - 1].name != value.name;
+    for (const EffectBlock& effect : network_.effects) {
+      if (first && effect.name == value.name) return effect.id;
+    }
+    return -1;
+  }
+
+  void AddInertial() {
+    EdgeKind kind;
+    for (const auto& edge : network_.inertial_edges) kind.edges.push_back(edge.id);
+    kind.effects = InertialEffectIndices(state_);
+    kind.own_effects = InertialEffectIndices(network_.Calibration()).size();
+    kind.make = [&](std::size_t k) { return bridging_[k] ? bridging_[k] : InertialFactor(k); };
+    Differentiate(kind);
+  }
+
+  /// Makes the factors of inertial edges that pairs use; AddInertial and AddPairs both need them.
+  void MakeBridgingEdges() {
+    std::set<std::size_t> edges;
+    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+      if (edge.bridge_i) edges.insert(*edge.bridge_i);
+      if (edge.bridge_j) edges.insert(*edge.bridge_j);
+    }
+    bridging_.resize(network_.inertial_edges.size());
+    const std::vector<std::size_t> all(edges.begin(), edges.end());
+    ParallelFor(static_cast<int>(all.size()), threads_, [&](int k) {
+      const std::size_t edge = all[static_cast<std::size_t>(k)];
+      bridging_[edge] = InertialFactor(edge);
+    });
+  }
+
+  std::shared_ptr<const PreintegratedInertial> InertialFactor(std::size_t edge) const {
+    return network_.InertialFactorByMeans(network_.inertial_edges[edge], state_, means_);
+  }
+
+  void AddGnss() {
+    EdgeKind position, velocity;
+    std::vector<const FlightNetwork::GnssEdge*> with_velocity;
+    for (const auto& edge : network_.gnss_edges) {
+      position.edges.push_back(edge.position);
+      position.nodes.push_back(edge.node);
+      if (edge.velocity < 0) continue;
+      with_velocity.push_back(&edge);
+      velocity.edges.push_back(edge.velocity);
+      velocity.nodes.push_back(edge.node);
+    }
+    if (!network_.gnss_error.empty()) {
+      position.own_effects = GnssEffectIndices(network_.Calibration()).size();
+    }
+    position.effects = velocity.effects = GnssEffectIndices(state_);
+    position.make = [&](std::size_t k) {
+      return network_.GnssPositionFactor(network_.gnss_edges[k], state_);
+    };
+    velocity.make = [&](std::size_t k) {
+      return network_.GnssVelocityFactor(*with_velocity[k], state_);
+    };
+    Differentiate(position);
+    Differentiate(velocity);
+  }
+
+  void AddPairs() {
+    if (network_.pair_edges.empty()) return;
+    std::vector<FactorId> edges;
+    for (const auto& edge : network_.pair_edges) edges.push_back(edge.id);
+    std::vector<Eigen::Matrix3Xd> whole;
+    for (const auto& inertial : bridging_) {
+      whole.emplace_back();
+      if (inertial) whole.back() = inertial->increments().J_effects.topRows<3>();
+    }
+    const std::vector<Eigen::Matrix3Xd> columns =
+        PairColumns(network_, state_, means_, whole, threads_);
+    const auto append_block = [&](EffectId effect, Eigen::Index first, Eigen::Index count) {
+      const auto at = std::find_if(found_.hypotheses.begin(), found_.hypotheses.end(),
+                                   [&](const Hypothesis& one) { return one.id == effect; });
+      if (at == found_.hypotheses.end()) return;
+      AppendColumns(edges, columns, first, count, &found_.blocks[at->block]);
+    };
+    append_block(EffectId::kLidarLeverArm, kLeverArmColumn, 3);
+    append_block(EffectId::kLidarTimeOffset, kTimeOffsetColumn, 1);
+    Append(edges, PairEffectIndices(state_), columns, kPairEffectsColumn);
+  }
+
+  /// Returns the values for the factor that an edge would have under the extended calibration.
+  std::vector<const double*> FactorValues(const EdgeKind& kind, std::size_t k) const {
+    std::vector<const double*> x;
+    if (kind.own_effects) {
+      const std::vector<BlockId>& blocks = network_.net.factor(kind.edges[k]).blocks;
+      const std::size_t others = blocks.size() - *kind.own_effects;
+      for (std::size_t b = 0; b < others; ++b) x.push_back(Value(blocks[b]));
+    } else {
+      const NodeBlocks& node = network_.nodes[kind.nodes[k]];
+      x = {Value(node.q_mb.id), Value(node.p_mb.id), Value(network_.gnss_lever_arm.id),
+           Value(node.v_m.id)};
+    }
+    for (const std::size_t e : kind.effects) x.push_back(state_.effects[e].value.data());
+    return x;
+  }
+
+  const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
+
+  /// Returns the derivative of an edge's residual by the effects, one block of columns after
+  /// another. It is empty for an inactive edge.
+  Eigen::MatrixXd EffectDerivatives(const EdgeKind& kind, std::size_t k) const {
+    const FactorRecord& record = network_.net.factor(kind.edges[k]);
+    if (!record.active) return {};
+    const std::shared_ptr<const FactorBase> factor = kind.make(k);
+    const int rows = factor->residual_size();
+    if (rows != record.factor->residual_size()) return {};  // the user replaced the factor
+    const std::vector<BlockKind>& blocks = factor->block_kinds();
+    const std::span of_effects = std::span(blocks).last(kind.effects.size());
+    int columns = 0;
+    for (const BlockKind& block : of_effects) columns += block.stored_size;
+    // Effects are vectors: their stored coordinates are the tangent ones.
+    std::vector<double> stored(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns),
+                               UnwrittenNan());
+    std::vector<double*> J(blocks.size(), nullptr);
+    double* next = stored.data();
+    for (std::size_t b = 0; b < of_effects.size(); ++b) {
+      J[blocks.size() - of_effects.size() + b] = next;
+      next += rows * of_effects[b].stored_size;
+    }
+    Eigen::VectorXd r(rows);
+    if (!factor->Evaluate(FactorValues(kind, k).data(), r.data(), J.data())) return {};
+    return JoinBlocks(stored.data(), rows, columns, of_effects);
+  }
+
+  static Eigen::MatrixXd JoinBlocks(const double* stored, int rows, int columns,
+                                    std::span<const BlockKind> blocks) {
+    Eigen::MatrixXd L(rows, columns);
+    Eigen::Index column = 0;
+    for (const BlockKind& block : blocks) {
+      L.middleCols(column, block.stored_size) =
+          Eigen::Map<const RowMajor>(stored, rows, block.stored_size);
+      stored += rows * block.stored_size;
+      column += block.stored_size;
+    }
+    return L;
+  }
+
+  bool AnyHypothesis(const std::vector<std::size_t>& effects) const {
+    return std::any_of(effects.begin(), effects.end(),
+                       [&](std::size_t e) { return state_columns_[e] != nullptr; });
+  }
+
+  void Differentiate(const EdgeKind& kind) {
+    if (!AnyHypothesis(kind.effects)) return;
+    std::vector<Eigen::MatrixXd> derivatives(kind.edges.size());
+    ParallelFor(static_cast<int>(derivatives.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      derivatives[k] = EffectDerivatives(kind, k);
+    });
+    Append(kind.edges, kind.effects, derivatives);
+  }
+
+  /// Appends the derivatives of edges to the hypotheses. The columns of the effects begin at
+  /// `column`.
+  template <class Matrix>
+  void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
+              const std::vector<Matrix>& derivatives, Eigen::Index column = 0) {
+    std::vector<Eigen::Index> first{column};
+    for (const std::size_t e : effects) {
+      first.push_back(first.back() + state_.effects[e].value.size());
+    }
+    ParallelFor(static_cast<int>(effects.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      EffectModel* const columns = state_columns_[effects[k]];
+      if (columns == nullptr) return;
+      AppendColumns(edges, derivatives, first[k], first[k + 1] - first[k], columns);
+    });
+  }
+
+  template <class Matrix>
+  static void AppendColumns(const std::vector<FactorId>& edges,
+                            const std::vector<Matrix>& derivatives, Eigen::Index first,
+                            Eigen::Index count, EffectModel* columns) {
+    columns->reserve(columns->size() + derivatives.size());
+    for (std::size_t k = 0; k < derivatives.size(); ++k) {
+      if (derivatives[k].size() == 0) continue;
+      columns->push_back({edges[k], derivatives[k].middleCols(first, count)});
+    }
+  }
+
+  const FlightNetwork& network_;
+  int threads_;
+  ImuData means_;
+  CalibrationState state_;
+  std::size_t num_discrepancies_;
+  Library found_;
+  std::vector<std::size_t> at_zero_;         // indices into found_ of the hypotheses in the state
+  std::vector<EffectModel*> state_columns_;  // one per effect of the state; null: estimated
+  // Null: no pair uses the edge.
+  std::vector<std::shared_ptr<const PreintegratedInertial>> bridging_;
+};
+
+}  // namespace
+
+Library MakeNetworkHypotheses(const FlightNetwork& network, int threads,
+                              const std::vector<Hypothesis>& discrepancies) {
+  return NetworkHypotheses(network, threads, discrepancies).Run();
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <dn/adjustment/checks.h>
+#include <dn/solvers/score_test.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "evidence.h"
+#include "hypothesis.h"
+#include "hypothesis_evidence.h"
+
+namespace dn::internal {
+
+/// Effects that are selected forward by their scores, without solving again.
+struct ScoreSelection {
+  std::vector<EffectCheck> effects;        ///< in the order found
+  std::vector<HypothesisEvidence> chosen;  ///< the same, with joint estimates
+  /// Joint estimates of all of them, SI; one value per component of the score, 0 for all others.
+  Eigen::VectorXd joint;
+  JointScore left;  ///< the score after they have become unknowns
+};
+
+/// Selects the likeliest significant effect of the table, up to four times, each time with the
+/// selected ones as unknowns. Then estimates all of them jointly. `score` is that of the library.
+ScoreSelection SelectByScores(const Library& library, const JointScore& score,
+                              const TestFamily& family);
+
+/// Tests the unmodelled discrepancies of the library after the found effects have become unknowns;
+/// `left` is the score with them. `excess` is the noise variance over the stated one. Leaves out
+/// discrepancies that act on no factor, or that the unknowns absorb.
+std::vector<DiscrepancyCheck> CheckDiscrepancies(const Library& library, const JointScore& left,
+                                                 double excess, const TestFamily& family);
+
+}  // namespace dn::internal
