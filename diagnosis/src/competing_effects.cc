@@ -1,7 +1,7 @@
 #include "competing_effects.h"
 
+#include <dn/distributions.h>
 #include <dn/effects/effect_table.h>
-#include <dn/report/distributions.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,5 +1,5 @@
 #include <dn/diagnosis/model_check.h>
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <dn/seconds_since.h>
 
 #include <Eigen/Cholesky>

@@ -1,9 +1,9 @@
 #include <dn/adjustment/words.h>
 #include <dn/diagnosis/model_check.h>
+#include <dn/distributions.h>
 #include <dn/effects/effect_table.h>
 #include <dn/files/flight.h>
 #include <dn/parallel.h>
-#include <dn/report/distributions.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
 

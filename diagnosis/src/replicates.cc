@@ -1,8 +1,8 @@
 #include "replicates.h"
 
+#include <dn/distributions.h>
 #include <dn/interrupted.h>
 #include <dn/parallel.h>
-#include <dn/report/distributions.h>
 #include <dn/sim/random.h>
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,6 @@
 #include "score_selection.h"
 
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 
 #include <algorithm>
 #include <limits>

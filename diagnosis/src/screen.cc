@@ -1,8 +1,8 @@
 #include "screen.h"
 
+#include <dn/distributions.h>
 #include <dn/effects/effect_table.h>
 #include <dn/log_sum.h>
-#include <dn/report/distributions.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "variances.h"
 
+#include <dn/distributions.h>
 #include <dn/effects/effect_table.h>
 #include <dn/imu/noise_check.h>
-#include <dn/report/distributions.h>
 #include <dn/size_prior.h>
 #include <dn/solvers/restricted_likelihood.h>
 

@@ -1,6 +1,6 @@
 #include "replicates.h"
 
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <dn/sim/random.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "gauss_helmert_assessment.h"
 
-#include <dn/report/distributions.h>
+#include <dn/distributions.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Cholesky>
