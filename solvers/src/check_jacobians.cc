@@ -87,7 +87,8 @@ class FactorCheck {
     return derivative;
   }
 
-  /// Returns the residual with one tangent coordinate of one block moved; NaN where it is undefined.
+  /// Returns the residual with one tangent coordinate of one block moved; NaN where it is
+  /// undefined.
   Eigen::VectorXd ResidualAt(std::size_t i, Eigen::Index column, double step) const {
     std::vector<const double*> x;
     for (const BlockId b : network_.factor(id_).blocks) x.push_back(network_.block(b).value.get());

@@ -90,8 +90,8 @@ class Part {
   std::map<BlockId, BlockId> in_part_;
 };
 
-/// The factors of a part as linear functions of the neighbours s, after the eliminated blocks e have
-/// their best values e = -(X s + x): residual = A s + b.
+/// The factors of a part as linear functions of the neighbours s, after the eliminated blocks e
+/// have their best values e = -(X s + x): residual = A s + b.
 struct Reduced {
   std::vector<BlockId> neighbours;  // in the part
   std::vector<BlockId> eliminated;

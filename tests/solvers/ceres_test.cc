@@ -44,7 +44,7 @@ void Solve(ceres::Problem* problem) {
 }
 
 /// Compares all diagonal blocks, and the blocks with the first unknown, with ceres::Covariance.
-void ExpectCovarianceOfCeres(ceres::Problem& problem, double tolerance = kTolerance) {
+void ExpectSameAsCeres(ceres::Problem& problem, double tolerance = kTolerance) {
   std::vector<double*> blocks;
   problem.GetParameterBlocks(&blocks);
   std::erase_if(blocks, [&](double* x) {
@@ -140,7 +140,7 @@ TEST(CeresCostFunction, GivesTheSolutionAndSigmasOfTheNetwork) {
     EXPECT_LE((got.Covariance(x) - expected.Covariance(b)).norm(),
               1e-6 * expected.Covariance(b).norm());
   }
-  ExpectCovarianceOfCeres(problem);
+  ExpectSameAsCeres(problem);
 }
 
 TEST(CeresCostFunction, TakesFactorsAndFunctions) {
@@ -248,7 +248,7 @@ TEST(ProblemNetwork, TakesTheLossFunctionsOfCeres) {
           new ceres::AutoDiffCostFunction<Measured, 1, 1>(new Measured{z, 0.2}), loss, &x);
     }
     Solve(&problem);
-    ExpectCovarianceOfCeres(problem);
+    ExpectSameAsCeres(problem);
     ProblemNetwork network(problem);
     EXPECT_TRUE(dn::Solve(network.network()).converged);
     EXPECT_NEAR(network.network().Value(network.Find(&x))[0], x, 1e-6);
@@ -291,7 +291,7 @@ TEST(ProblemNetwork, TakesTheManifoldsOfCeres) {
     add(q.coeffs().data(), 4, wxyz, 4);
     add(wxyz, 4, all_constant, 2);
   }
-  ExpectCovarianceOfCeres(problem);
+  ExpectSameAsCeres(problem);
   EXPECT_EQ(Marginals(problem).Covariance(part).rows(), 2);
 }
 
@@ -375,7 +375,7 @@ TEST(ProblemNetwork, OfABundleAdjustmentHasTheCovarianceOfCeres) {
   problem.SetManifold(camera[0].data(), new ceres::SubsetManifold(9, {0, 1, 2, 3, 4, 5}));
   problem.SetManifold(camera[1].data(), new ceres::SubsetManifold(9, {3}));
   Solve(&problem);
-  ExpectCovarianceOfCeres(problem, 1e-5);
+  ExpectSameAsCeres(problem, 1e-5);
 }
 
 /// Error of a relative pose of a g2o file, with the square root L^T of its information matrix:
@@ -444,7 +444,7 @@ TEST(ProblemNetwork, OfAG2oFileHasTheCovarianceOfCeres) {
   problem.SetParameterBlockConstant(p[0].data());
   problem.SetParameterBlockConstant(q[0].coeffs().data());
   Solve(&problem);
-  ExpectCovarianceOfCeres(problem);
+  ExpectSameAsCeres(problem);
 }
 
 }  // namespace dn::ceres_test

@@ -22,8 +22,8 @@ namespace dn {
 /// of a ceres::Problem see Marginals.
 ///
 ///   problem.AddParameterBlock(q_mb, 4, dn::MakeCeresManifold<dn::Rotation>().release());
-///   problem.AddResidualBlock(dn::MakeCostFunction(dn::GnssPosition(z_m, noise)).release(), nullptr,
-///                            q_mb, p_mb, a_b);
+///   problem.AddResidualBlock(dn::MakeCostFunction(dn::GnssPosition(z_m, noise)).release(),
+///                            nullptr, q_mb, p_mb, a_b);
 
 /// Returns the manifold of a block kind. Its tangent is that of dn::Plus: full angles, while the
 /// quaternion manifolds of Ceres use half of the angle. Quaternions are stored as x, y, z, w.

@@ -22,7 +22,7 @@ constexpr double kLeastPivot = 1e-14;
 void Move(const UnknownLayout& layout, const Eigen::VectorXd& step, Network* network) {
   std::vector<double> moved;
   for (int p = 0; p < layout.num_blocks(); ++p) {
-    const BlockRecord& block = network->block(layout.blocks[AsSize(p)]);
+    BlockRecord& block = network->block(layout.blocks[AsSize(p)]);
     moved.resize(AsSize(block.kind.stored_size));
     Plus(block.kind, block.value.get(), step.data() + layout.offset[AsSize(p)], moved.data());
     std::copy(moved.begin(), moved.end(), block.value.get());

@@ -209,17 +209,18 @@ class Network {
     std::vector<FactorId> factors_;
   };
 
-  /// Adds all blocks and factors of another network; the names of its blocks get the prefix. A block
-  /// named in `shared` keeps its name and is the block of that name in this network, with the value
-  /// and state that it has here; it is added if this network does not have it yet. Two flights with
-  /// one boresight:
+  /// Adds all blocks and factors of another network; the names of its blocks get the prefix. A
+  /// block named in `shared` keeps its name and is the block of that name in this network, with the
+  /// value and state that it has here; it is added if this network does not have it yet. Two
+  /// flights with one boresight:
   ///
   ///   dn::Network both;
   ///   both.Append(monday.net, "monday/", {"boresight"});
   ///   both.Append(tuesday.net, "tuesday/", {"boresight"});
   ///
   /// A prior of a shared block then counts once per appended network. Throws InvalidInput, and adds
-  /// nothing, if a name is taken, if a shared name does not exist in `other`, or if its kind differs.
+  /// nothing, if a name is taken, if a shared name does not exist in `other`, or if its kind
+  /// differs.
   Appended Append(const Network& other, const std::string& prefix,
                   const std::vector<std::string>& shared = {});
 
@@ -331,8 +332,8 @@ class Network {
     return Handle<Kind>(Id(found));
   }
 
-  /// Returns the id of a block. Throws InvalidInput if the handle belongs to another network, or does
-  /// not match a block of this network.
+  /// Returns the id of a block. Throws InvalidInput if the handle belongs to another network, or
+  /// does not match a block of this network.
   template <class Kind>
   BlockId Id(Block<Kind> b) const {
     const BlockRecord& record = block(b.id);

@@ -43,9 +43,9 @@ NetworkState GetState(const Network& network);
 /// block of that name and kind; the network is then unchanged.
 void SetState(const NetworkState& state, Network* network);
 
-/// Adds the value and covariance of a block of a state as a LinearPrior of the block with this name.
-/// Returns the id of the prior. Throws InvalidInput if the network has no block of that name and
-/// kind, or if the covariance is not positive definite.
+/// Adds the value and covariance of a block of a state as a LinearPrior of the block with this
+/// name. Returns the id of the prior. Throws InvalidInput if the network has no block of that name
+/// and kind, or if the covariance is not positive definite.
 FactorId AddPrior(const NetworkState::Block& block, Network* network);
 
 }  // namespace dn

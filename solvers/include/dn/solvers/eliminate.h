@@ -33,10 +33,10 @@ struct Elimination {
 /// of a solved network. SolveReport::warnings says if later measurements have moved the neighbours
 /// so far that the difference counts.
 ///
-/// A finished part of a trajectory, a flight or a day can so be replaced: a growing chain that keeps
-/// its last nodes costs the same for each new node. Constant blocks are not neighbours. Throws
-/// RankDeficient if the neighbours do not determine the blocks, and InvalidInput for a factor that
-/// is undefined; the network is then unchanged.
+/// A finished part of a trajectory, a flight or a day can so be replaced: a growing chain that
+/// keeps its last nodes costs the same for each new node. Constant blocks are not neighbours.
+/// Throws RankDeficient if the neighbours do not determine the blocks, and InvalidInput for a
+/// factor that is undefined; the network is then unchanged.
 Elimination Eliminate(Network* network, const std::vector<BlockId>& blocks,
                       const EliminateOptions& options = {});
 

@@ -97,7 +97,8 @@ class Marginals {
   /// Linearises the network at its current values first. Also throws what LinearizedNetwork throws.
   explicit Marginals(const Network& network, const MarginalsOptions& options = {});
   /// Linearises a problem of Ceres at its present values (see ProblemNetwork in dn/ceres.h). Serves
-  /// as ceres::Covariance does, for every pair of parameter blocks at the cost of one factorisation:
+  /// as ceres::Covariance does, for every pair of parameter blocks at the cost of one
+  /// factorisation:
   ///
   ///   const dn::Marginals marginals(problem);
   ///   const Eigen::MatrixXd covariance = marginals.Covariance(camera, point);

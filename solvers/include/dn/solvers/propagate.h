@@ -76,8 +76,8 @@ auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
 ///
 /// f takes the values of the blocks in the same form as functions given to Network::Add. Each is a
 /// number, a vector, a quaternion, a pose or a user's own view. The coefficients are of a scalar
-/// type for automatic differentiation. f returns a number or a vector of fixed size of that type; an
-/// Eigen expression must end with .eval(). f is differentiated once, at the current values.
+/// type for automatic differentiation. f returns a number or a vector of fixed size of that type;
+/// an Eigen expression must end with .eval(). f is differentiated once, at the current values.
 template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   constexpr auto kAll = std::index_sequence_for<Kinds...>{};

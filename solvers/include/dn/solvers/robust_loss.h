@@ -7,8 +7,8 @@
 namespace dn {
 
 /// rho(s) and rho'(s) of a robust loss at the squared norm s; Huber and Cauchy equal
-/// ceres::HuberLoss and ceres::CauchyLoss. Second derivatives are never positive, so the weight of a
-/// factor in the normal matrix is rho' alone.
+/// ceres::HuberLoss and ceres::CauchyLoss. Second derivatives are never positive, so the weight of
+/// a factor in the normal matrix is rho' alone.
 struct LossValue {
   double rho = 0.0;
   double rho_prime = 1.0;

@@ -5,8 +5,8 @@
 
 namespace dn {
 
-/// Adds the covariances of the blocks that `marginals` determine to a state of the same network, and
-/// computes the selected inverse for them. Constant blocks get a covariance of zeros.
+/// Adds the covariances of the blocks that `marginals` determine to a state of the same network,
+/// and computes the selected inverse for them. Constant blocks get a covariance of zeros.
 void AddCovariances(Marginals* marginals, const Network& network, NetworkState* state);
 
 }  // namespace dn

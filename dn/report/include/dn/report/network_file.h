@@ -23,8 +23,8 @@ enum class StateFormat { kJson, kBinary };
 /// has the same content with little-endian numbers, after the eight bytes "dn.net1\n".
 std::string FormatState(const NetworkState& state, StateFormat format);
 
-/// Reads either format. `file` is the name for messages. Throws InvalidInput naming the file and the
-/// place of what is wrong.
+/// Reads either format. `file` is the name for messages. Throws InvalidInput naming the file and
+/// the place of what is wrong.
 NetworkState ParseState(std::string_view content, const std::string& file);
 
 /// Writes or reads a file. Throw InvalidInput naming the file if that fails.

@@ -31,8 +31,9 @@ struct NetworkDesign {
 ///   const dn::FlightNetwork network = dn::Build(plan, {poses});
 ///   const Eigen::Matrix3d covariance = dn::MarginalCovariance(network.net, network.boresight);
 ///
-/// The flight must outlive the network, so a temporary flight does not compile. Throws InvalidInput if the flight has no inertial data or
-/// the poses do not cover the nodes, and like the constructor of FlightNetwork.
+/// The flight must outlive the network, so a temporary flight does not compile. Throws InvalidInput
+/// if the flight has no inertial data or the poses do not cover the nodes, and like the constructor
+/// of FlightNetwork.
 FlightNetwork Build(const Flight& flight, const NetworkDesign& design,
                     const FlightNetworkOptions& options = {});
 FlightNetwork Build(const Flight&& flight, const NetworkDesign& design,
