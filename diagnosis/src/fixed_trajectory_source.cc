@@ -106,11 +106,6 @@ std::unique_ptr<ExtendedFit> FixedTrajectorySource::Fit(
   return fit;
 }
 
-HypothesisEvidence FixedTrajectorySource::Refine(const ExtendedFit& /*fit*/,
-                                                 HypothesisEvidence effect) const {
-  return effect;
-}
-
 /// Converts a scale relative to the smoother's accuracy to one relative to the sigmas at the ends
 /// of the pairs. These sigmas come from the section `trajectory`.
 ErrorScale FixedTrajectorySource::ScaleAtPairEnds(const ErrorScale& scale) const {
@@ -282,11 +277,6 @@ GapShrinkage FixedTrajectorySource::Shrinkage(const BeforeAndAfter& fits) const 
   const Eigen::Matrix3d covariance = boresight.covariance_rad2 + final.boresight_covariance_rad2;
   shrinkage.after.boresight_sigma_rad = covariance.diagonal().cwiseSqrt();
   return shrinkage;
-}
-
-std::optional<HeldOutGains> FixedTrajectorySource::HeldOut(const ExtendedFit& /*base*/,
-                                                           const ExtendedFit& /*final*/) const {
-  return std::nullopt;
 }
 
 void FixedTrajectorySource::ListPlaces(const ExtendedFit& base, const Comparison& /*before*/,

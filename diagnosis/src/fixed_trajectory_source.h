@@ -5,7 +5,6 @@
 #include <dn/files/flight.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +28,6 @@ class FixedTrajectorySource : public GapSource {
   bool adjusts() const override { return false; }
 
   std::unique_ptr<ExtendedFit> Fit(const std::vector<HypothesisEvidence>& chosen) override;
-  HypothesisEvidence Refine(const ExtendedFit& fit, HypothesisEvidence effect) const override;
   Comparison Compare(const ExtendedFit& fit) const override;
 
   long observations(const ExtendedFit& fit) const override;
@@ -37,8 +35,6 @@ class FixedTrajectorySource : public GapSource {
   bool GapRemains(const ExtendedFit& final, const Comparison& after,
                   double threshold_nats) const override;
   GapShrinkage Shrinkage(const BeforeAndAfter& fits) const override;
-  std::optional<HeldOutGains> HeldOut(const ExtendedFit& base,
-                                      const ExtendedFit& final) const override;
 
   void ListPlaces(const ExtendedFit& base, const Comparison& before, const ExtendedFit& last,
                   GapDiagnosis* diagnosis) const override;

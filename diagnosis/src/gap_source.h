@@ -53,7 +53,9 @@ class GapSource {
   /// Fits the data with the chosen effects in the model and evaluates all others.
   virtual std::unique_ptr<ExtendedFit> Fit(const std::vector<HypothesisEvidence>& chosen) = 0;
   /// Refines the times of an effect that a fit lacks.
-  virtual HypothesisEvidence Refine(const ExtendedFit& fit, HypothesisEvidence effect) const = 0;
+  virtual HypothesisEvidence Refine(const ExtendedFit& /*fit*/, HypothesisEvidence effect) const {
+    return effect;
+  }
   /// Compares a fit with linear replicates of it.
   virtual Comparison Compare(const ExtendedFit& fit) const = 0;
 
@@ -65,8 +67,10 @@ class GapSource {
   /// Returns the reduction of the gap, with the states before and after.
   virtual GapShrinkage Shrinkage(const BeforeAndAfter& fits) const = 0;
   /// Returns the gain in the prediction of held-out data; nullopt if it is not measured.
-  virtual std::optional<HeldOutGains> HeldOut(const ExtendedFit& base,
-                                              const ExtendedFit& final) const = 0;
+  virtual std::optional<HeldOutGains> HeldOut(const ExtendedFit& /*base*/,
+                                              const ExtendedFit& /*final*/) const {
+    return std::nullopt;
+  }
 
   /// Lists the places of the gap, and the statistics of the flight, in a diagnosis that states
   /// whether there is a gap.
@@ -76,7 +80,7 @@ class GapSource {
   virtual std::vector<DetectionLimit> Limits(const ExtendedFit& base,
                                              double threshold_nats) const = 0;
   /// Returns notes on the validity of the diagnosis.
-  virtual std::vector<std::string> Notes(const ExtendedFit& base) const = 0;
+  virtual std::vector<std::string> Notes(const ExtendedFit& /*base*/) const { return {}; }
 
   virtual Trajectory MakeTrajectory(const ExtendedFit& fit) const = 0;
   /// Returns the total boresight of a fit; zero if it has none.

@@ -5,7 +5,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "gap_source.h"
@@ -40,7 +39,6 @@ class NetworkSource : public GapSource {
   void ListPlaces(const ExtendedFit& base, const Comparison& before, const ExtendedFit& last,
                   GapDiagnosis* diagnosis) const override;
   std::vector<DetectionLimit> Limits(const ExtendedFit& base, double threshold_nats) const override;
-  std::vector<std::string> Notes(const ExtendedFit&) const override { return {}; }
 
   Trajectory MakeTrajectory(const ExtendedFit& fit) const override;
   Eigen::Vector3d Boresight(const ExtendedFit& fit) const override;

@@ -9,12 +9,11 @@
 #include <utility>
 
 #include "climb_grid.h"
-#include "evidence.h"
+#include "joint_estimate.h"
 
 namespace dn::internal {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -23,54 +22,6 @@ constexpr EffectId kNoise = EffectId::kP2pNoiseScale;
 constexpr double kLnNoiseSigma = 1.0;
 constexpr double kLnNoiseStep = 0.02;
 constexpr int kNoisePasses = 4;
-
-bool IsFixed(const HypothesisEvidence& effect) {
-  return effect.id != kNoise && effect.id != EffectId::kP2pOutliers;
-}
-
-/// Matrix T that combines components of the score into those of the chosen effects.
-struct Combinations {
-  MatrixXd T;
-  VectorXd typical;
-};
-
-Combinations Combine(const std::vector<HypothesisEvidence>& chosen, const JointScore& score) {
-  Combinations out;
-  out.T.resize(score.s.size(), 0);
-  for (const HypothesisEvidence& effect : chosen) {
-    if (!IsFixed(effect)) continue;
-    const Index n = effect.typical.size(), before = out.T.cols();
-    const Index first = score.first[effect.block];
-    out.T.conservativeResize(Eigen::NoChange, before + n);
-    out.T.rightCols(n).setZero();
-    const int cell = effect.cells ? effect.cells->first : 0;
-    const int past = effect.cells ? effect.cells->past : 1;
-    for (int k = cell; k < past; ++k) {
-      out.T.block(first + n * k, before, n, n).setIdentity();
-    }
-    out.typical.conservativeResize(before + n);
-    out.typical.tail(n) = effect.typical;
-  }
-  return out;
-}
-
-/// Returns the score test of the combinations T.
-ScoreTest TestCombinations(const JointScore& score, const MatrixXd& T) {
-  return TestScore(T.transpose() * score.s, T.transpose() * score.A * T,
-                   T.cwiseAbs2().transpose() * score.signature2);
-}
-
-/// Returns the scores once the combinations T are among the unknowns.
-JointScore WithUnknowns(const JointScore& score, const MatrixXd& T) {
-  if (T.cols() == 0) return score;
-  const ScoreTest test = TestCombinations(score, T);
-  const MatrixXd AT = score.A * T;
-  JointScore left = score;
-  left.s += AT * test.estimate;
-  left.A -= AT * test.covariance * AT.transpose();
-  left.shift -= score.shift * T * test.covariance * AT.transpose();
-  return left;
-}
 
 /// Returns the Occam factor of the evidence for scaled noise whose ln(ratio) is known to sigma.
 double NoisePrior(double ln_ratio, double sigma) {
@@ -129,14 +80,13 @@ class PairFitter::Search {
     const auto known = heights_.find(key);
     if (known != heights_.end()) return known->second;
     const TimeCorrelatedErrorModel::ScaleSolution& at = fitter_.At(octaves, white);
-    const Combinations combined = Combine(chosen_, at.score);
+    const JointColumns columns = CombineFixed(chosen_, at.score);
     Height height{at.log_likelihood + LogScalePrior(octaves.position, octaves.attitude),
-                  Screen(fitter_.library_.library, WithUnknowns(at.score, combined.T)),
+                  Screen(fitter_.library_.library, WithUnknowns(at.score, columns)),
                   {}};
-    if (combined.T.cols() > 0) {
-      const SizeAveragedEvidence form(combined.T.transpose() * at.score.A * combined.T,
-                                      combined.typical);
-      height.of_errors += form.LogEvidence(combined.T.transpose() * at.score.s);
+    if (columns.T.cols() > 0) {
+      const SizeAveragedEvidence form(columns.Information(at.score), columns.typical);
+      height.of_errors += form.LogEvidence(columns.Score(at.score));
     }
     height.effects = height.screen.EffectsInOrder();
     return heights_.emplace(key, std::move(height)).first->second;
@@ -207,20 +157,16 @@ class PairFitter::Search {
   void EstimateChosen(const Octaves& top, PairFit* out) {
     out->chosen = chosen_;
     const JointScore& score = fitter_.At(top, white_).score;
-    const Combinations combined = Combine(chosen_, score);
-    if (combined.T.cols() == 0) return;
-    const ScoreTest test = TestCombinations(score, combined.T);
-    const VectorXd sigma = ComponentSigmas(test);
-    const MatrixXd shift = score.shift * combined.T;
-    Index first = 0;
+    const JointColumns columns = CombineFixed(chosen_, score);
+    if (columns.T.cols() == 0) return;
+    const ScoreTest test = columns.Test(score);
+    TakeJointEstimates(test, &out->chosen);
     for (HypothesisEvidence& effect : out->chosen) {
-      if (!IsFixed(effect)) continue;
-      const Index n = effect.typical.size();
-      effect.estimate = test.estimate.segment(first, n);
-      effect.sigma = sigma.segment(first, n);
-      effect.boresight_rad = shift.middleCols(first, n) * effect.estimate;
-      first += n;
+      if (EffectRow(*effect.id).fixed()) {
+        effect.boresight_rad = SelectShift(effect, score) * effect.estimate;
+      }
     }
+    const MatrixXd shift = score.shift * columns.T;
     out->boresight_covariance_rad2 = shift * test.covariance * shift.transpose();
   }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "forward_selection.h"
+#include "joint_estimate.h"
 
 namespace dn::internal {
 namespace {
@@ -69,7 +70,7 @@ class ScoreSelector {
     selection.Grow();
     out_.left = last_->score;
     out_.chosen = selection.Take().chosen;
-    EstimateTogether();
+    if (!out_.chosen.empty()) EstimateTogether();
     return std::move(out_);
   }
 
@@ -88,6 +89,7 @@ class ScoreSelector {
       effect.log_evidence = LogEvidence(hypothesis, score);
       fit->effects.push_back(std::move(effect));
     }
+    fit->chosen = chosen;
     fit->score = std::move(score);
     return fit;
   }
@@ -96,7 +98,7 @@ class ScoreSelector {
   std::unique_ptr<ScoreFit> Add(const std::vector<HypothesisEvidence>& chosen) {
     const HypothesisEvidence& added = chosen.back();
     std::unique_ptr<ScoreFit> with =
-        Evaluate(ConditionOnComponents(last_->score, added.Components(last_->score)), chosen);
+        Evaluate(WithUnknowns(last_->score, CombineFixed({added}, last_->score)), chosen);
     EffectCheck check;
     check.name = added.name;
     check.unit = added.unit;
@@ -111,34 +113,23 @@ class ScoreSelector {
 
   /// Estimates all chosen effects jointly, and computes the shift by each of them.
   void EstimateTogether() {
-    out_.joint = Eigen::VectorXd::Zero(score_.s.size());
-    if (out_.chosen.empty()) return;
-    std::vector<Eigen::Index> components;
-    std::vector<double> typical;
-    for (const Hypothesis& effect : out_.chosen) {
-      for (const Eigen::Index c : effect.Components(score_)) components.push_back(c);
-      typical.insert(typical.end(), effect.typical.begin(), effect.typical.end());
-    }
-    const ScoreTest test = TestJointly(score_, components);
-    const Eigen::VectorXd sigma = ComponentSigmas(test);
-    const Eigen::VectorXd shrunk = ShrunkEstimate(
-        score_.A(components, components), score_.s(components),
-        Eigen::VectorXd::Map(typical.data(), static_cast<Eigen::Index>(typical.size())));
-    Eigen::Index at = 0;
-    for (std::size_t e = 0; e < out_.chosen.size(); ++e) {
-      HypothesisEvidence& effect = out_.chosen[e];
-      const Eigen::Index q = effect.typical.size();
-      effect.estimate = test.estimate.segment(at, q);
-      effect.sigma = sigma.segment(at, q);
-      const Eigen::VectorXd shift = SelectShift(effect, score_) * shrunk.segment(at, q);
-      EffectCheck& check = out_.effects[e];
+    const JointColumns columns = CombineFixed(out_.chosen, score_);
+    const ScoreTest test = columns.Test(score_);
+    TakeJointEstimates(test, &out_.chosen);
+    out_.joint = columns.T * test.estimate;
+    const Eigen::VectorXd shrunk =
+        columns.T *
+        ShrunkEstimate(columns.Information(score_), columns.Score(score_), columns.typical);
+    for (std::size_t k = 0; k < out_.chosen.size(); ++k) {
+      const HypothesisEvidence& effect = out_.chosen[k];
+      const Eigen::VectorXd shift =
+          SelectShift(effect, score_) * SelectScore(effect, score_, shrunk);
+      EffectCheck& check = out_.effects[k];
       check.estimate = effect.per_si * effect.estimate;
       check.sigma = effect.per_si * effect.sigma;
       check.max_shift_sigmas = family_.InSigmas(shift);
       check.boresight_rad = family_.BoresightShift(shift);
-      at += q;
     }
-    out_.joint(components) = test.estimate;
   }
 
   const std::vector<Hypothesis>& hypotheses_;

@@ -1,230 +1,161 @@
 #include "forward_selection.h"
 
+#include <dn/error.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <numbers>
-#include <optional>
-#include <stdexcept>
-#include <utility>
-
-#include "competing_hypotheses.h"
-#include "network_fit.h"
-#include "network_source.h"
-#include "testing/short_flights.h"
+#include <map>
+#include <set>
 
 namespace dn::internal::forward_selection_test {
 
-using testing::AircraftScenario;
-using ::testing::AnyOf;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::UnorderedElementsAre;
+using ::testing::IsEmpty;
 
+constexpr EffectId kRange = EffectId::kLidarRangeOffset, kArm = EffectId::kGnssLeverArm,
+                   kNoise = EffectId::kP2pNoiseScale;
 constexpr double kThresholdNats = 6.0;
 
-/// Result of a selection, and the evidence of the alternatives of each effect.
-struct Selected {
-  Selection model;
-  std::vector<std::vector<HypothesisEvidence>> alternatives;
+/// Evidence, nats, of each effect that the data show with some effects in the model.
+using Evidence = std::map<EffectId, double>;
+
+/// Data whose fits are known: the evidence of the missing effects for each set of chosen ones.
+class KnownFits {
+ public:
+  explicit KnownFits(std::map<std::set<EffectId>, Evidence> fits) : fits_(std::move(fits)) {}
+
+  std::unique_ptr<ExtendedFit> Fit(const std::vector<HypothesisEvidence>& chosen) {
+    std::set<EffectId> ids;
+    for (const HypothesisEvidence& effect : chosen) ids.insert(*effect.id);
+    ++count_;
+    if (!fits_.contains(ids)) throw InvalidInput("the data cannot be fitted");
+    auto fit = std::make_unique<ExtendedFit>();
+    fit->chosen = chosen;
+    for (const auto& [id, nats] : fits_.at(ids)) {
+      HypothesisEvidence effect{MakeHypothesis(id)};
+      effect.log_evidence = nats;
+      effect.estimate = effect.sigma = Eigen::VectorXd::Ones(effect.typical.size());
+      fit->effects.push_back(std::move(effect));
+    }
+    SortByEvidence(&fit->effects);
+    return fit;
+  }
+
+  ForwardSelection Select(SelectionPolicy policy = {}) {
+    policy.threshold_nats = kThresholdNats;
+    policy.next = BestPhysical;
+    return {policy, [this](const auto& chosen) { return Fit(chosen); }, Fit({})};
+  }
+
+  int count() const { return count_; }
+
+ private:
+  std::map<std::set<EffectId>, Evidence> fits_;
+  int count_ = 0;
 };
 
-Selected Select(const Flight& flight) {
-  const GapOptions options;
-  NetworkSource source(flight, options);
-  SelectionPolicy policy;
-  policy.threshold_nats = kThresholdNats;
-  policy.resizes_noise = true;
-  policy.next = BestPhysical;
-  policy.refine = [&](const ExtendedFit& fit, const HypothesisEvidence& effect) {
-    return source.Refine(fit, effect);
-  };
-  ForwardSelection selection(
-      policy, [&](const auto& chosen) { return source.Fit(chosen); }, source.Fit({}));
-  selection.Grow();
-  selection.Revise();
-  std::vector<std::vector<HypothesisEvidence>> alternatives = selection.Alternatives();
-  return {selection.Take(), std::move(alternatives)};
-}
-
-std::vector<std::string> Names(const Selected& selected) {
+std::vector<std::string> Names(const std::vector<HypothesisEvidence>& effects) {
   std::vector<std::string> names;
-  for (const HypothesisEvidence& effect : selected.model.chosen) names.push_back(effect.name);
+  for (const HypothesisEvidence& effect : effects) names.push_back(effect.name);
   return names;
 }
 
-TEST(ForwardSelection, FindsBothOfTwoEffects) {
-  const Flight flight =
-      Simulate(AircraftScenario("effects: [{effect: lidar_range_offset, value: 0.15}, "
-                                "{effect: gnss_lever_arm, value: [0.15, 0.1, 0]}]"),
-               {})
-          .flight;
-  const Selected selected = Select(flight);
-  EXPECT_THAT(Names(selected), UnorderedElementsAre("lidar_range_offset", "gnss_lever_arm"));
-  ASSERT_NE(selected.model.final, nullptr);
-  EXPECT_EQ(selected.alternatives.size(), 2u);
-  for (const HypothesisEvidence& effect : selected.model.final->chosen) {
-    if (effect.name != "lidar_range_offset") continue;
-    EXPECT_NEAR(effect.estimate[0], 0.15, 4.0 * effect.sigma[0]);
-  }
-  EXPECT_LT(selected.model.final->effects.front().log_evidence, kThresholdNats);
+TEST(ForwardSelection, AddsEffectsUntilTheEvidenceIsTooWeak) {
+  KnownFits fits({{{}, {{kRange, 30.0}, {kArm, 20.0}, {kNoise, 5.0}}},
+                  {{kRange}, {{kArm, 12.0}, {kNoise, 3.0}}},
+                  {{kRange, kArm}, {{kNoise, 5.9}}}});
+  ForwardSelection selection = fits.Select();
+  selection.Grow();
+  const Selection found = selection.Take();
+  EXPECT_THAT(Names(found.chosen), ElementsAre("lidar_range_offset", "gnss_lever_arm"));
+  EXPECT_EQ(found.explained_nats, 42.0);
+  ASSERT_NE(found.final, nullptr);
+  EXPECT_EQ(found.final->chosen.size(), 2u);
 }
 
-// Both effects enlarge the misclosures of the pairs. Once the scale is known, the noise (of either
-// kind, as they look alike) takes its true size. No third effect has to compensate for it.
-TEST(ForwardSelection, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
-  const Flight flight =
-      Simulate(AircraftScenario("effects: [{effect: p2p_noise_scale, value: 1.6}, "
-                                "{effect: lidar_angle_scale, value: 800}]"),
-               {})
-          .flight;
-  const Selected selected = Select(flight);
-  EXPECT_THAT(Names(selected), UnorderedElementsAre(AnyOf("p2p_noise_scale", "p2p_range_noise"),
-                                                    "lidar_angle_scale"));
-  ASSERT_NE(selected.model.final, nullptr);
-  EXPECT_LT(selected.model.final->effects.front().log_evidence, kThresholdNats);
+TEST(ForwardSelection, StopsAtTheMostEffects) {
+  KnownFits fits({{{}, {{kRange, 30.0}, {kArm, 20.0}}}, {{kRange}, {{kArm, 12.0}}}});
+  SelectionPolicy policy;
+  policy.most = 1;
+  ForwardSelection selection = fits.Select(policy);
+  selection.Grow();
+  EXPECT_THAT(Names(selection.Take().chosen), ElementsAre("lidar_range_offset"));
 }
 
-/// Returns the results for flights with the same effect and different seeds.
-std::vector<Selected> SelectForSeeds(const std::string& effect) {
-  std::vector<Selected> all;
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    SimulateOptions options;
-    options.seed = seed;
-    all.push_back(Select(Simulate(AircraftScenario("effects: [" + effect + "]"), options).flight));
-  }
-  return all;
+TEST(ForwardSelection, NamesTheFirstEffectWithoutAFit) {
+  KnownFits fits({{{}, {{kRange, 30.0}, {kArm, 20.0}}}});
+  SelectionPolicy policy;
+  policy.refits = false;
+  ForwardSelection selection = fits.Select(policy);
+  selection.Grow();
+  const Selection found = selection.Take();
+  EXPECT_THAT(Names(found.chosen), ElementsAre("lidar_range_offset"));
+  EXPECT_EQ(found.final, nullptr);
+  EXPECT_EQ(&found.last(), found.base.get());
+  EXPECT_EQ(fits.count(), 1);
 }
 
-// Outliers must not count as scaled noise, even if they are too small to be rejected or occur at
-// consecutive epochs.
-TEST(ForwardSelection, GrossErrorsAreNotALargerNoiseAsWell) {
-  for (const char* effect : {"{effect: gnss_outliers, value: [0.08, 0.2]}",
-                             "{effect: p2p_outliers, value: [0.08, 1.0]}"}) {
-    for (const Selected& selected : SelectForSeeds(effect)) {
-      ASSERT_EQ(selected.model.chosen.size(), 1u) << effect;
-      const GapCause cause = ToCause(selected.model.chosen[0]);
-      EXPECT_THAT(effect, HasSubstr(cause.effect));
-      EXPECT_NEAR(cause.estimate[0], 0.08, 3.0 * cause.sigma[0]) << effect;
-    }
-  }
+TEST(ForwardSelection, NotesAnEffectThatCannotBeFitted) {
+  KnownFits fits({{{}, {{kRange, 30.0}}}});
+  ForwardSelection selection = fits.Select();
+  selection.Grow();
+  const Selection found = selection.Take();
+  EXPECT_EQ(found.final, nullptr);
+  EXPECT_THAT(found.notes,
+              ElementsAre("the flight cannot be adjusted with lidar_range_offset among the "
+                          "unknowns: the data cannot be fitted"));
 }
 
-// The error of the trajectory has several explanations, but the raw data show the noise itself.
-TEST(ForwardSelection, RawNoiseIsNoProcess) {
-  for (const Selected& selected : SelectForSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
-    EXPECT_THAT(Names(selected), ElementsAre("gyro_noise_scale"));
-  }
+// Alone, the noise looked like the likeliest effect. With the lever arm in the model, the range
+// offset explains the rest better.
+TEST(ForwardSelection, ReplacesAnEarlierChoice) {
+  KnownFits fits({{{}, {{kNoise, 30.0}, {kArm, 25.0}, {kRange, 20.0}}},
+                  {{kNoise}, {{kArm, 20.0}, {kRange, 5.0}}},
+                  {{kNoise, kArm}, {{kRange, 1.0}}},
+                  {{kArm}, {{kRange, 18.0}, {kNoise, 10.0}}},
+                  {{kArm, kRange}, {}}});
+  ForwardSelection selection = fits.Select();
+  selection.Grow();
+  selection.Revise();
+  EXPECT_THAT(Names(selection.Take().chosen), ElementsAre("gnss_lever_arm", "lidar_range_offset"));
 }
 
-/// Returns the strongest oscillation of the GNSS positions that remains with the causes in the
-/// model.
-const HypothesisEvidence& OscillationLeft(const Selected& selected) {
-  const ExtendedFit& last = selected.model.last();
-  const auto found = std::find_if(
-      last.effects.begin(), last.effects.end(),
-      [](const HypothesisEvidence& effect) { return effect.name == "GNSS oscillation"; });
-  return found == last.effects.end() ? throw std::runtime_error("none screened") : *found;
+TEST(ForwardSelection, DropsAChoiceThatALaterOneExplains) {
+  KnownFits fits({{{}, {{kNoise, 30.0}, {kArm, 25.0}}},
+                  {{kNoise}, {{kArm, 20.0}}},
+                  {{kNoise, kArm}, {}},
+                  {{kArm}, {{kNoise, 2.0}}}});
+  ForwardSelection selection = fits.Select();
+  selection.Grow();
+  selection.Revise();
+  const Selection found = selection.Take();
+  EXPECT_THAT(Names(found.chosen), ElementsAre("gnss_lever_arm"));
+  EXPECT_EQ(found.final->chosen.size(), 1u);
 }
 
-// Correlated noise absorbs oscillations in size and time, but not the concentration of their power.
-TEST(ForwardSelection, WavesAreNotAllOfACorrelatedNoise) {
-  constexpr double kPeriodS = 40.0;
-  SimulateOptions options;
-  options.own.antenna_enu_m = [](double t_s) {
-    const double phase = 2.0 * std::numbers::pi * t_s / kPeriodS;
-    return Eigen::Vector3d(0.06 * std::sin(phase), 0.05 * std::cos(phase), 0.08 * std::sin(phase));
-  };
-  const Flight flight = Simulate(AircraftScenario(), options).flight;
-  const HypothesisEvidence left = OscillationLeft(Select(flight));
-  EXPECT_GT(left.log_evidence, kThresholdNats);
-  ASSERT_TRUE(left.period_s.has_value());
-  EXPECT_NEAR(*left.period_s, kPeriodS, 0.15 * kPeriodS);
-}
-
-TEST(ForwardSelection, ACorrelatedNoiseLeavesNoOscillation) {
-  for (const Selected& selected :
-       SelectForSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
-    EXPECT_THAT(Names(selected), ElementsAre("gnss_correlated_noise"));
-    EXPECT_LT(OscillationLeft(selected).log_evidence, kThresholdNats);
-  }
-}
-
-/// Returns a scenario of three strips, with the last one flown in both directions.
-Scenario FourStrips(const std::string& extra = "") {
-  Scenario scenario = AircraftScenario(extra);
-  PlannedLine back = scenario.plan.lines.back();
-  std::swap(back.start_en_m, back.end_en_m);
-  back.start_en_m.x() += 100.0;
-  back.end_en_m.x() += 100.0;
-  scenario.plan.lines.push_back(back);
-  return scenario;
-}
-
-/// Returns the screen of a flight whose boresight moves.
-std::vector<HypothesisEvidence> Moving(const std::function<Eigen::Vector3d(const MapPose&)>& move) {
-  SimulateOptions options;
-  options.own.boresight_rad = move;
-  const Flight flight = Simulate(FourStrips(), options).flight;
-  const GapOptions gap;
-  return NetworkFitter(flight, gap).Fit({}).effects;
-}
-
-const Eigen::Vector3d kMove_rad(6e-4, -5e-4, 6e-4);
-
-TEST(NetworkFitter, ABoresightThatSettlesIsNoStepAndNoDrift) {
-  constexpr double kTauS = 25.0;
-  std::optional<double> first_s;
-  const auto effects = Moving([&](const MapPose& pose) {
-    if (!first_s) first_s = pose.t_s;
-    return Eigen::Vector3d(std::exp(-(pose.t_s - *first_s) / kTauS) * kMove_rad);
-  });
-  const double settling = FindEvidence(effects, "boresight that settles");
-  EXPECT_GT(settling, kThresholdNats);
-  EXPECT_GT(settling, FindEvidence(effects, "boresight_step") + 3.0);
-  EXPECT_GT(settling, FindEvidence(effects, "boresight_drift") + 3.0);
-  const auto found = std::find_if(
-      effects.begin(), effects.end(),
-      [](const HypothesisEvidence& effect) { return effect.name == "boresight that settles"; });
-  ASSERT_TRUE(found->decay_s.has_value());
-  EXPECT_GT(*found->decay_s, 0.5 * kTauS);
-  EXPECT_LT(*found->decay_s, 2.0 * kTauS);
-}
-
-TEST(NetworkFitter, ABoresightThatFollowsTheHeadingIsNoStep) {
-  const auto effects = Moving([](const MapPose& pose) {
-    return Eigen::Vector3d((pose.q_mb * Eigen::Vector3d::UnitX()).x() * kMove_rad);
-  });
-  const double heading = FindEvidence(effects, "boresight by heading");
-  EXPECT_GT(heading, kThresholdNats);
-  EXPECT_GT(heading, FindEvidence(effects, "boresight_step") + 3.0);
-  EXPECT_GT(heading, FindEvidence(effects, "boresight_drift") + 3.0);
-}
-
-// Discrepancies that partly resemble a step or a drift must not replace its name.
-TEST(NetworkFitter, StepsAndDriftsKeepTheirNames) {
-  for (const char* effect : {"{effect: boresight_step, value: [0.02, -0.02, 0.03], t0_s: 381190}",
-                             "{effect: boresight_drift, value: [0.15, -0.12, 0.15]}"}) {
-    const Flight flight = Simulate(FourStrips("effects: [" + std::string(effect) + "]"), {}).flight;
-    const GapOptions gap;
-    const auto effects = NetworkFitter(flight, gap).Fit({}).effects;
-    const HypothesisEvidence* best = BestPhysical(effects);
-    ASSERT_NE(best, nullptr);
-    EXPECT_THAT(effect, HasSubstr(best->name));
-    EXPECT_GT(best->log_evidence, FindEvidence(effects, "boresight that settles")) << effect;
-    EXPECT_GT(best->log_evidence, FindEvidence(effects, "boresight by heading")) << effect;
-  }
+TEST(ForwardSelection, ComparesEachChoiceGivenTheOthers) {
+  KnownFits fits({{{}, {{kRange, 30.0}, {kArm, 20.0}, {kNoise, 5.0}}},
+                  {{kRange}, {{kArm, 12.0}, {kNoise, 3.0}}},
+                  {{kArm}, {{kRange, 25.0}, {kNoise, 4.0}}},
+                  {{kRange, kArm}, {{kNoise, 1.0}}}});
+  ForwardSelection selection = fits.Select();
+  selection.Grow();
+  selection.Revise();
+  const int fitted = fits.count();
+  const auto alternatives = selection.Alternatives();
+  ASSERT_EQ(alternatives.size(), 2u);
+  EXPECT_THAT(Names(alternatives[0]), ElementsAre("lidar_range_offset", "p2p_noise_scale"));
+  EXPECT_THAT(Names(alternatives[1]), ElementsAre("gnss_lever_arm", "p2p_noise_scale"));
+  EXPECT_EQ(fits.count(), fitted);  // all of these fits were made before
 }
 
 TEST(ForwardSelection, FindsNothingInNoise) {
-  const Flight flight = Simulate(AircraftScenario(), {}).flight;
-  const Selected selected = Select(flight);
-  EXPECT_TRUE(selected.model.chosen.empty());
-  EXPECT_EQ(selected.model.final, nullptr);
-  EXPECT_TRUE(selected.alternatives.empty());
+  KnownFits fits({{{}, {{kRange, 1.0}}}});
+  ForwardSelection selection = fits.Select();
+  selection.Grow();
+  selection.Revise();
+  EXPECT_THAT(selection.Alternatives(), IsEmpty());
+  EXPECT_THAT(selection.Take().chosen, IsEmpty());
 }
 
 }  // namespace dn::internal::forward_selection_test
