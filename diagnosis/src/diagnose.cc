@@ -373,7 +373,8 @@ class Diagnosis {
     if (compared.appearance.pair_rms_m > 0.0) state->p2p_m = compared.appearance.pair_rms_m;
     if (compared.appearance.gnss_rms_m > 0.0) state->gnss_m = compared.appearance.gnss_rms_m;
     const Solution& solution = *explained.solution;
-    if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) return;
+    if (solution.linearized().FirstColumn(solution.network().calibration().boresight().id) < 0)
+      return;
     const BoresightResult boresight = solution.Boresight();
     state->boresight_rad = boresight.angles_rad;
     state->boresight_sigma_rad = boresight.sigma_rad();
@@ -447,7 +448,7 @@ class Diagnosis {
 
   static Eigen::Vector3d TotalBoresight(const ExtendedFit& explained) {
     const Solution& solution = *explained.solution;
-    if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) {
+    if (solution.linearized().FirstColumn(solution.network().calibration().boresight().id) < 0) {
       return Eigen::Vector3d::Zero();
     }
     return solution.Boresight().angles_rad;

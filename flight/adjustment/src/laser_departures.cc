@@ -75,7 +75,7 @@ UserEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& rang
 
 UserEffect LaserByScanAngle(const FlightNetwork& network) {
   ScanAngles angles(*network.flight().config.lidar);
-  for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
+  for (const PairEdge& edge : network.pairs().edges()) {
     angles.Add(edge.pair.u_i_s);
     angles.Add(edge.pair.u_j_s);
   }
