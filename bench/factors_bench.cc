@@ -109,9 +109,9 @@ PointToPoint Make<PointToPoint>() {
   j.u_s = Vector3d(165.0, 0.0, -55.0);
   i.p_nominal_m = Vector3d(0.0, 0.0, 700.0);
   j.p_nominal_m = Vector3d(40.0, 100.0, 700.0);
-  Eigen::Matrix3d T_bs;
-  T_bs << 0, 1, 0, 0, 0, 1, 1, 0, 0;
-  return {Frame(), i, j, T_bs, 0.0, Noise<3>::Sigma(0.06)};
+  Eigen::Matrix3d R_bs;
+  R_bs << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  return {Frame(), {i, j, R_bs, 0.0, Noise<3>::Sigma(0.06)}};
 }
 
 /// Values of a factor's blocks, and storage for its residual and Jacobians.

@@ -85,8 +85,8 @@ void CompareWithReference(const Smoothed& smoothed) {
   const std::vector<MapPose> reference =
       smoothed.flight.reference->ToMapPoses(smoothed.flight.frame);
   const auto each_node = [&](const std::function<void(const MapPose&, const MapPose&)>& use) {
-    for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-      const MapPose estimate = network.NodePose(k);
+    for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+      const MapPose estimate = network.trajectory().NodePose(k);
       if (smoothed.flight.reference->Covers(estimate.t_s)) {
         use(estimate, InterpolatePose(reference, estimate.t_s));
       }
@@ -123,7 +123,8 @@ void CompareWithReference(const Smoothed& smoothed) {
 std::vector<TimeInterval> WithheldWindows(const FlightNetwork& network) {
   constexpr int kWindows = 10;
   constexpr double kLengthS = 5.0;
-  const double t0_s = network.node_times().front(), t1_s = network.node_times().back();
+  const double t0_s = network.trajectory().node_times().front(),
+               t1_s = network.trajectory().node_times().back();
   std::vector<TimeInterval> windows;
   for (int k = 1; k <= kWindows; ++k) {
     const double middle_s = t0_s + (t1_s - t0_s) * k / (kWindows + 1);
@@ -132,11 +133,11 @@ std::vector<TimeInterval> WithheldWindows(const FlightNetwork& network) {
   return windows;
 }
 
-std::vector<FlightNetwork::GnssEdge> EdgesInside(const FlightNetwork& network,
-                                                 const std::vector<TimeInterval>& windows) {
-  std::vector<FlightNetwork::GnssEdge> edges;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    const double t_s = network.node_times()[edge.node];
+std::vector<GnssEdge> EdgesInside(const FlightNetwork& network,
+                                  const std::vector<TimeInterval>& windows) {
+  std::vector<GnssEdge> edges;
+  for (const GnssEdge& edge : network.gnss().edges()) {
+    const double t_s = network.trajectory().node_times()[edge.node];
     for (const TimeInterval& window : windows) {
       if (t_s >= window.t0_s && t_s <= window.t1_s) edges.push_back(edge);
     }
@@ -146,12 +147,12 @@ std::vector<FlightNetwork::GnssEdge> EdgesInside(const FlightNetwork& network,
 
 void PredictWithheld(const fs::path& folder) {
   AdjustOptions options = InsGnss();
-  std::vector<FlightNetwork::GnssEdge> withheld;
+  std::vector<GnssEdge> withheld;
   options.customise = [&](FlightNetwork& network) {
     withheld = EdgesInside(network, WithheldWindows(network));
-    for (const FlightNetwork::GnssEdge& edge : withheld) {
-      network.net.SetActive(edge.position, false);
-      if (edge.velocity >= 0) network.net.SetActive(edge.velocity, false);
+    for (const GnssEdge& edge : withheld) {
+      network.net().SetActive(edge.position, false);
+      if (edge.velocity >= 0) network.net().SetActive(edge.velocity, false);
     }
   };
   const Smoothed smoothed(Read(folder), options);
@@ -159,10 +160,10 @@ void PredictWithheld(const fs::path& folder) {
   Rms error;
   double nis = 0.0;
   Eigen::Vector3d worst = Eigen::Vector3d::Zero();
-  for (const FlightNetwork::GnssEdge& edge : withheld) {
+  for (const GnssEdge& edge : withheld) {
     const MapGnssEpoch& epoch = smoothed.flight.gnss->epochs[edge.epoch];
-    const Eigen::Vector3d antenna_m = network.net.Value(network.nodes[edge.node].p_mb) +
-                                      network.net.Value(network.nodes[edge.node].q_mb) *
+    const Eigen::Vector3d antenna_m = network.net().Value(network.nodes()[edge.node].p_mb) +
+                                      network.net().Value(network.nodes()[edge.node].q_mb) *
                                           smoothed.flight.config.gnss->lever_arm_b_m;
     const Eigen::Vector3d e = antenna_m - epoch.p_m;
     error.Add(e);

@@ -72,8 +72,8 @@ void ShiftTags(double offset_s, Flight* flight) {
 /// Moves the antenna; the attitude is that of the measured flight.
 void MoveAntenna(const Eigen::Vector3d& arm_b_m, const Solution& measured, Flight* flight) {
   std::vector<MapPose> poses;
-  for (std::size_t k = 0; k < measured.network().nodes.size(); ++k) {
-    poses.push_back(measured.network().NodePose(k));
+  for (std::size_t k = 0; k < measured.network().nodes().size(); ++k) {
+    poses.push_back(measured.network().trajectory().NodePose(k));
   }
   const std::vector<ImuSample>& samples = flight->imu->samples;
   for (MapGnssEpoch& epoch : flight->gnss->epochs) {

@@ -48,7 +48,7 @@ std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated, 
   InitialStates initial;
   for (const double t_s : node_t_s) initial.nodes.push_back(simulated.truth->Pose(t_s));
   auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial);
-  network->net.SetValue(network->boresight, Exp(simulated.boresight_rad));
+  network->net().SetValue(network->calibration().boresight(), Exp(simulated.boresight_rad));
   network->AddPairs(flight.pairs->pairs);
   return network;
 }
@@ -71,7 +71,7 @@ FlightNetwork& BuildNetwork(const std::string& size, double rate_hz = kNodeRate_
 
 std::vector<BlockId> NodeBlockIds(const FlightNetwork& network) {
   std::vector<BlockId> ids;
-  for (const NodeBlocks& node : network.nodes) {
+  for (const NodeBlocks& node : network.nodes()) {
     ids.insert(ids.end(), {node.q_mb.id, node.p_mb.id, node.v_m.id});
   }
   return ids;
@@ -80,7 +80,7 @@ std::vector<BlockId> NodeBlockIds(const FlightNetwork& network) {
 void BM_Marginals(benchmark::State& state, const std::string& size, int threads) {
   const FlightNetwork& network = BuildNetwork(size);
   for (auto _ : state) {
-    Marginals marginals(network.net, {.threads = threads});
+    Marginals marginals(network.net(), {.threads = threads});
     marginals.ComputeSelectedInverse();
     const Marginals::Timings& t = marginals.timings();
     state.counters["assemble_s"] = t.assemble_s;
@@ -90,8 +90,8 @@ void BM_Marginals(benchmark::State& state, const std::string& size, int threads)
     state.counters["parameters"] = marginals.num_parameters();
     state.counters["nonzeros_of_L"] = static_cast<double>(marginals.factor_nonzeros());
   }
-  state.counters["nodes"] = static_cast<double>(network.nodes.size());
-  state.counters["pairs"] = static_cast<double>(network.pair_edges.size());
+  state.counters["nodes"] = static_cast<double>(network.nodes().size());
+  state.counters["pairs"] = static_cast<double>(network.pairs().edges().size());
 }
 BENCHMARK_CAPTURE(BM_Marginals, 5min, "5min", 1)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(BM_Marginals, 5min_two_threads, "5min", 2)
@@ -109,7 +109,7 @@ BENCHMARK_CAPTURE(BM_Marginals, 60min_two_threads, "60min", 2)
 /// Solves from the truth to the adjusted values, with undamped steps and one analysis, or with all
 /// steps by Ceres.
 void BM_Solve(benchmark::State& state, const std::string& size, bool undamped) {
-  const Network& truth = BuildNetwork(size, kSparseRate_hz).net;
+  const Network& truth = BuildNetwork(size, kSparseRate_hz).net();
   for (auto _ : state) {
     state.PauseTiming();
     Network net(truth);
@@ -133,7 +133,7 @@ BENCHMARK_CAPTURE(BM_Solve, 60min_by_ceres, "60min", false)->Unit(benchmark::kMi
 /// Returns the blocks of the smallest flight whose covariances are requested.
 std::vector<BlockId> Wanted(const FlightNetwork& network, bool all_nodes) {
   if (all_nodes) return NodeBlockIds(network);
-  return {network.boresight.id};
+  return {network.calibration().boresight().id};
 }
 
 /// Computes the same covariances with Marginals; uses the selected inverse only for many blocks.
@@ -148,7 +148,7 @@ std::vector<Eigen::MatrixXd> ByMarginals(const Network& net, const std::vector<B
 void BM_WantedByMarginals(benchmark::State& state, bool all_nodes) {
   const FlightNetwork& network = BuildNetwork("5min");
   const std::vector<BlockId> blocks = Wanted(network, all_nodes);
-  for (auto _ : state) benchmark::DoNotOptimize(ByMarginals(network.net, blocks).size());
+  for (auto _ : state) benchmark::DoNotOptimize(ByMarginals(network.net(), blocks).size());
 }
 BENCHMARK_CAPTURE(BM_WantedByMarginals, boresight, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_WantedByMarginals, all_nodes, true)->Unit(benchmark::kMillisecond);
@@ -157,13 +157,14 @@ void BM_WantedByCeres(benchmark::State& state, bool all_nodes) {
   FlightNetwork& network = BuildNetwork("5min");
   const std::vector<BlockId> blocks = Wanted(network, all_nodes);
   for (auto _ : state) {
-    const CeresCovariance ceres = ComputeByCeres(network.net, blocks, kCeresLimit_s);
+    const CeresCovariance ceres = ComputeByCeres(network.net(), blocks, kCeresLimit_s);
     if (!ceres.error.empty()) {
       state.SkipWithError(ceres.error.c_str());
       return;
     }
     state.SetIterationTime(ceres.time_s);
-    const double difference = LargestDifference(ceres.covariance, ByMarginals(network.net, blocks));
+    const double difference =
+        LargestDifference(ceres.covariance, ByMarginals(network.net(), blocks));
     state.counters["difference"] = difference;
     if (!(difference < kSameCovariance)) state.SkipWithError("the covariances differ");
   }

@@ -23,7 +23,8 @@ int main() {
   std::printf("   t [s]   error E, N, U [mm] (sigma)      roll, pitch, heading [mdeg] (sigma)\n");
   double sum2 = 0.0;
   for (std::size_t k = 0; k < result.sigma.size(); ++k) {
-    const dn::MapPose pose = solution.network().NodePose(k), truth = sim.truth->Pose(pose.t_s);
+    const dn::MapPose pose = solution.network().trajectory().NodePose(k),
+                      truth = sim.truth->Pose(pose.t_s);
     const Eigen::Vector3d dp = sim.frame.R_m_enu(truth.p_mb).transpose() * (pose.p_mb - truth.p_mb);
     Eigen::Vector3d da = dn::RollPitchHeading(dn::ToNavPoint(pose, sim.frame).q_nb) -
                          dn::RollPitchHeading(dn::ToNavPoint(truth, sim.frame).q_nb);

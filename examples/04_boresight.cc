@@ -22,7 +22,7 @@ int main() {
   const dn::Adjustment& adjustment = solution.adjustment();
 
   std::printf("aligned %s, %zu nodes, %ld pairs rejected, mean distance of pairs %.2f -> %.2f m\n",
-              adjustment.alignment_method.c_str(), adjustment.network->nodes.size(),
+              adjustment.alignment_method.c_str(), adjustment.network->nodes().size(),
               adjustment.outliers, adjustment.residual_initial_m, adjustment.residual_final_m);
   const Eigen::Vector3d sigma_rad = boresight.sigma_rad();
   const char* names[] = {"roll", "pitch", "yaw"};

@@ -74,7 +74,7 @@ int main() {
 
     const dn::FlightNetwork network = dn::Build(plan, design);
     const Eigen::Vector3d sigma_deg =
-        dn::kDegPerRad * dn::MarginalSigma(network.net, network.boresight);
+        dn::kDegPerRad * dn::MarginalSigma(network.net(), network.calibration().boresight());
     std::printf("%-10s %4zu pairs, sigma of roll, pitch, yaw %.4f %.4f %.4f deg\n", name,
                 plan.pairs->pairs.size(), sigma_deg.x(), sigma_deg.y(), sigma_deg.z());
   }

@@ -15,13 +15,13 @@ class ScaledPair : public dn::AutoFactor<ScaledPair, 3, dn::Rotation, dn::Vec<3>
                                          dn::Vec<3>, dn::Vec<1>, dn::Scalar>,
                    public dn::PointPairFactor {
  public:
-  ScaledPair(const dn::LocalFrame& frame, const dn::PairParts& parts)
-      : i_(frame, parts.i.partial, parts.i.p_nominal_m),
-        j_(frame, parts.j.partial, parts.j.p_nominal_m),
-        u_i_b_(parts.T_bs_nominal * parts.i.u_s),
-        u_j_b_(parts.T_bs_nominal * parts.j.u_s),
-        dt_s_(parts.dt_nominal_s),
-        W_(parts.noise_m.sqrt_information()) {}
+  ScaledPair(const dn::LocalFrame& frame, const dn::PreparedPair& pair)
+      : i_(frame, pair.i.partial, pair.i.p_nominal_m),
+        j_(frame, pair.j.partial, pair.j.p_nominal_m),
+        u_i_b_(pair.R_bs_nominal * pair.i.u_s),
+        u_j_b_(pair.R_bs_nominal * pair.j.u_s),
+        dt_s_(pair.dt_nominal_s),
+        W_(pair.noise_m.sqrt_information()) {}
 
   template <class T>
   bool Residual(const T* q_i, const T* p_i, const T* v_i, const T* q_j, const T* p_j, const T* v_j,
@@ -76,14 +76,14 @@ int main() {
   dn::Block<dn::Scalar> scale;
   dn::AdjustOptions options;
   options.network.pair_model = [&](dn::FlightNetwork& network) {
-    scale = network.net.AddScalar("range scale", 0.0);
-    return dn::PairModel{{scale.id}, [](const dn::Flight& flight, const dn::PairParts& parts) {
-                           return std::make_shared<ScaledPair>(flight.frame, parts);
+    scale = network.net().AddScalar("range scale", 0.0);
+    return dn::PairModel{{scale.id}, [](const dn::Flight& flight, const dn::PreparedPair& pair) {
+                           return std::make_shared<ScaledPair>(flight.frame, pair);
                          }};
   };
   const dn::Solution own(sim.flight, options);
   Print("scaled pairs", own, sim.boresight_rad);
-  const double value = own.network().net.Value(scale);
+  const double value = own.network().net().Value(scale);
   const double sigma = own.marginals().Sigma(scale);
   std::printf("scale %.0f ppm, sigma %.0f ppm, %s three sigmas of the truth\n", 1e6 * value,
               1e6 * sigma, std::abs(value - kScale) < 3.0 * sigma ? "within" : "beyond");

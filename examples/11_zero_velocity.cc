@@ -40,10 +40,10 @@ int main() {
 
   int nodes_at_rest = 0;
   const auto stand_still = [&](dn::FlightNetwork& network) {
-    for (const dn::NodeBlocks& node : network.nodes) {
+    for (const dn::NodeBlocks& node : network.nodes()) {
       if (!IsAtRest(*flight->imu, node.t_s)) continue;
-      network.net.Add([](const auto& v_m) { return v_m.eval(); }, dn::Noise<3>::Sigma(0.02),
-                      node.v_m);
+      network.net().Add([](const auto& v_m) { return v_m.eval(); }, dn::Noise<3>::Sigma(0.02),
+                        node.v_m);
       ++nodes_at_rest;
     }
   };

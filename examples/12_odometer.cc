@@ -37,8 +37,8 @@ int main() {
   std::normal_distribution<double> noise(0.0, kSigma_mps);
   dn::Block<dn::Scalar> scale, angle;
   const auto add_odometer = [&](dn::FlightNetwork& network) {
-    scale = network.net.AddScalar("odometer scale", 0.0);
-    angle = network.net.AddScalar("odometer direction", 0.0);
+    scale = network.net().AddScalar("odometer scale", 0.0);
+    angle = network.net().AddScalar("odometer direction", 0.0);
     for (double t_s = 1.0; t_s < 99.0; t_s += 0.5) {
       const Eigen::Vector3d v_m = dn::InterpolatePose(reference, t_s).v_m;
       const double reading_mps = (1.0 + kScale) * v_m.head<2>().norm() + noise(random);
@@ -51,7 +51,7 @@ int main() {
     }
   };
   const dn::Solution solution = AdjustWithheld("with the odometer  ", *flight, end, add_odometer);
-  const dn::Network& net = solution.network().net;
+  const dn::Network& net = solution.network().net();
   const dn::Marginals& marginals = solution.marginals();
   std::printf("scale %.4f, sigma %.4f (put in %.4f); direction %.2f deg, sigma %.2f deg\n",
               net.Value(scale), marginals.Sigma(scale), kScale, dn::kDegPerRad * net.Value(angle),

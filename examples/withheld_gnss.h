@@ -26,15 +26,15 @@ inline std::optional<dn::Flight> ReadMeasured(const std::string& name) {
 inline dn::Solution AdjustWithheld(const char* name, const dn::Flight& flight,
                                    const dn::TimeInterval& interval,
                                    const std::function<void(dn::FlightNetwork&)>& add_factors) {
-  std::vector<dn::FlightNetwork::GnssEdge> withheld;
+  std::vector<dn::GnssEdge> withheld;
   dn::AdjustOptions options;
   options.with_pairs = false;
   options.customise = [&](dn::FlightNetwork& network) {
-    for (const dn::FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-      const double t_s = network.node_times()[edge.node];
+    for (const dn::GnssEdge& edge : network.gnss().edges()) {
+      const double t_s = network.trajectory().node_times()[edge.node];
       if (t_s < interval.t0_s || t_s > interval.t1_s) continue;
-      network.net.SetActive(edge.position, false);
-      if (edge.velocity >= 0) network.net.SetActive(edge.velocity, false);
+      network.net().SetActive(edge.position, false);
+      if (edge.velocity >= 0) network.net().SetActive(edge.velocity, false);
       withheld.push_back(edge);
     }
     add_factors(network);
@@ -42,8 +42,8 @@ inline dn::Solution AdjustWithheld(const char* name, const dn::Flight& flight,
   dn::Solution solution(flight, options);
 
   double error2 = 0.0, sigma2 = 0.0, largest = 0.0;
-  for (const dn::FlightNetwork::GnssEdge& edge : withheld) {
-    const dn::MapPose pose = solution.network().NodePose(edge.node);
+  for (const dn::GnssEdge& edge : withheld) {
+    const dn::MapPose pose = solution.network().trajectory().NodePose(edge.node);
     const Eigen::Vector3d antenna_m = pose.p_mb + pose.q_mb * flight.config.gnss->lever_arm_b_m;
     const Eigen::Vector3d error_m = antenna_m - flight.gnss->epochs[edge.epoch].p_m;
     error2 += error_m.squaredNorm();

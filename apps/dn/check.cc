@@ -1,5 +1,6 @@
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
+#include <dn/builder/gnss_factors.h>
 #include <dn/error.h>
 #include <dn/files/flight.h>
 #include <dn/files/strip_files.h>

@@ -198,13 +198,13 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
 void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->progress.Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment().network;
-  const bool with_pairs = !network.pair_edges.empty();
+  const bool with_pairs = !network.pairs().edges().empty();
   auto plots = Beside(run->options().threads, [&] { return DrawPlots(flight_run); });
   run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory.points(), with_pairs));
   run->AddFile("trajectory_sigma.txt",
                FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
   run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));
-  if (!network.gnss_error.empty()) {
+  if (!network.trajectory().gnss_error().empty()) {
     run->AddFile("gnss_errors.txt", FormatGnssErrors(network, flight_run.solution->marginals()));
   }
   run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));
@@ -220,10 +220,10 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["counts"] = flight_run.flight.counts;
   report["counts"]["pairs rejected as outliers"] = flight_run.adjustment().outliers;
   report["counts"]["pairs within one node"] =
-      flight_run.adjustment().network->pairs_within_one_node;
+      flight_run.adjustment().network->pairs().within_one_node();
   const auto read_in_gaps = flight_run.flight.counts.find("pairs in IMU gaps");
   report["counts"]["pairs in IMU gaps"] =
-      flight_run.adjustment().network->pairs_in_imu_gaps +
+      flight_run.adjustment().network->pairs().in_imu_gaps() +
       (read_in_gaps == flight_run.flight.counts.end() ? 0 : read_in_gaps->second);
   const LeftOutGnss out = CountLeftOutGnss(*flight_run.adjustment().network);
   report["counts"]["gnss positions rejected"] = out.positions;

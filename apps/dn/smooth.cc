@@ -19,8 +19,8 @@ std::vector<StripInterval> Strips(const FlightRun& flight_run) {
   if (!flight_run.flight.config.strips.empty()) return flight_run.flight.config.strips;
   const FlightNetwork& network = flight_run.solution->network();
   std::vector<NavPoint> points;
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    points.push_back(ToNavPoint(network.NodePose(k), flight_run.flight.frame));
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    points.push_back(ToNavPoint(network.trajectory().NodePose(k), flight_run.flight.frame));
   }
   return FindStrips(Trajectory(std::move(points)));
 }

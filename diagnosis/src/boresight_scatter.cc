@@ -30,8 +30,8 @@ std::vector<Factors> GroupByStrips(const FlightNetwork& network) {
     return strip == nullptr ? static_cast<std::ptrdiff_t>(strips.size()) : strip - strips.data();
   };
   std::map<std::pair<std::ptrdiff_t, std::ptrdiff_t>, Factors> found;
-  for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-    if (!network.net.factor(edge.id).active) continue;
+  for (const PairEdge& edge : network.pairs().edges()) {
+    if (!network.net().factor(edge.id).active) continue;
     found[std::minmax({strip_at(edge.pair.t_i_s), strip_at(edge.pair.t_j_s)})].insert(edge.id);
   }
   std::vector<Factors> groups;
@@ -53,12 +53,12 @@ struct GroupEstimate {
 
 std::optional<GroupEstimate> EstimateFromPairs(const Factors& group, const FlightNetwork& network,
                                                const LinearizedNetwork& all) {
-  Network net = network.net;
-  for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
+  Network net = network.net();
+  for (const PairEdge& edge : network.pairs().edges()) {
     if (group.count(edge.id) == 0) net.SetActive(edge.id, false);
   }
   const LinearizedNetwork linearized(net);
-  const int first = linearized.FirstColumn(network.boresight.id);
+  const int first = linearized.FirstColumn(network.calibration().boresight().id);
   if (first < 0) return std::nullopt;
   Eigen::MatrixXd E = Eigen::MatrixXd::Zero(linearized.parameters(), 3);
   E.middleRows(first, 3).setIdentity();
@@ -113,10 +113,10 @@ double ExcessScatter(const Eigen::VectorXd& values, const Eigen::MatrixXd& C) {
 }
 
 std::optional<double> BoresightScatter(const FlightNetwork& network, int threads) {
-  if (network.net.block(network.boresight.id).held) return std::nullopt;
+  if (network.net().block(network.calibration().boresight().id).held) return std::nullopt;
   const std::vector<Factors> groups = GroupByStrips(network);
   if (groups.size() < 2) return std::nullopt;
-  const LinearizedNetwork all(network.net, threads);
+  const LinearizedNetwork all(network.net(), threads);
   std::vector<std::optional<GroupEstimate>> estimates(groups.size());
   ParallelFor(static_cast<int>(groups.size()), threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);

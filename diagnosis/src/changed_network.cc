@@ -15,8 +15,8 @@ constexpr double kShortestStepS = 0.45;
 /// Returns the node times, without those that closely follow another one and have no GNSS epoch.
 std::vector<double> SparseNodeTimes(const FlightNetwork& solved) {
   std::set<std::size_t> with_gnss;
-  for (const FlightNetwork::GnssEdge& edge : solved.gnss_edges) with_gnss.insert(edge.node);
-  const std::vector<double>& all = solved.node_times();
+  for (const GnssEdge& edge : solved.gnss().edges()) with_gnss.insert(edge.node);
+  const std::vector<double>& all = solved.trajectory().node_times();
   std::vector<double> kept{all.front()};
   for (std::size_t k = 1; k < all.size(); ++k) {
     const bool last = k + 1 == all.size();
@@ -32,14 +32,14 @@ std::vector<double> SparseNodeTimes(const FlightNetwork& solved) {
 FlightNetwork BuildChangedNetwork(const FlightNetwork& solved, const Flight& flight, int threads) {
   NetworkDesign design;
   design.node_t_s = SparseNodeTimes(solved);
-  design.calibration = solved.Calibration();
+  design.calibration = solved.calibration().State();
   const auto nodes = static_cast<double>(design.node_t_s.size());
   std::size_t node = 0;  // index in the solved network
   for (const double t_s : design.node_t_s) {
-    while (solved.node_times()[node] < t_s) ++node;
-    design.poses.push_back(solved.NodePose(node));
-    design.gyro_bias_radps += solved.GyroBias(t_s) / nodes;
-    design.accel_bias_mps2 += solved.AccelBias(t_s) / nodes;
+    while (solved.trajectory().node_times()[node] < t_s) ++node;
+    design.poses.push_back(solved.trajectory().NodePose(node));
+    design.gyro_bias_radps += solved.trajectory().GyroBias(t_s) / nodes;
+    design.accel_bias_mps2 += solved.trajectory().AccelBias(t_s) / nodes;
   }
   FlightNetwork network = Build(flight, design, {.threads = threads});
   KeepInUse(solved, &network);

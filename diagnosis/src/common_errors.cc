@@ -98,7 +98,7 @@ class CommonErrors {
  public:
   CommonErrors(const FlightNetwork& network, const LinearizedNetwork& linearized)
       : linearized_(linearized), strips_(FindStrips(network.flight())), forms_(linearized.rows()) {
-    for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
+    for (const PairEdge& edge : network.pairs().edges()) {
       strips_of_[edge.id] = {StripAt(strips_, edge.pair.t_i_s), StripAt(strips_, edge.pair.t_j_s)};
     }
   }

@@ -17,7 +17,7 @@ class Removed {
  public:
   Removed(const FlightNetwork& network, const Marginals& marginals,
           const std::vector<BlockId>& watched, BlockId unknown)
-      : record_(network.net.block(unknown)),
+      : record_(network.net().block(unknown)),
         estimate_(Eigen::VectorXd::Map(record_.value.get(), record_.kind.stored_size) -
                   AssumedValue(network.flight(), record_.name)),
         information_(marginals.Covariance(unknown).llt().solve(
@@ -82,8 +82,8 @@ std::vector<BlockId> EffectUnknowns(const FlightNetwork& network) {
   std::vector<BlockId> unknowns;
   for (const EstimateEntry& entry : network.flight().config.estimate) {
     if (entry.unknown == "boresight" || FindEffect(entry.unknown) == nullptr) continue;
-    const BlockId id = network.net.Find(entry.unknown);
-    if (!network.net.block(id).held) unknowns.push_back(id);
+    const BlockId id = network.net().Find(entry.unknown);
+    if (!network.net().block(id).held) unknowns.push_back(id);
   }
   return unknowns;
 }

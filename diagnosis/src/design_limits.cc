@@ -39,7 +39,7 @@ Screen ScreenDesign(const Flight& flight, const GapOptions& options, long* rows)
   const NetworkDesign design{FindPoses(flight).ToMapPoses(flight.frame)};
   PlanMeasurements(design, kRates, &plan);
   const FlightNetwork network = Build(plan, design);
-  const Marginals marginals(network.net, {.threads = options.threads});
+  const Marginals marginals(network.net(), {.threads = options.threads});
   if (rows != nullptr) *rows = marginals.linearized().rows();
   return Screen(network, marginals, MakeLibraryOptions(options));
 }

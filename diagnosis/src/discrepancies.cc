@@ -114,10 +114,10 @@ Hypothesis LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& rang
 
 Hypothesis LaserByScanAngle(const FlightNetwork& network) {
   const LidarConfig& lidar = *network.flight().config.lidar;
-  return LaserByScanAngle(
-      lidar, FindRange(lidar, network.pair_edges, [](const FlightNetwork::PairEdge& edge) {
-        return std::array{edge.pair.u_i_s, edge.pair.u_j_s};
-      }));
+  return LaserByScanAngle(lidar,
+                          FindRange(lidar, network.pairs().edges(), [](const PairEdge& edge) {
+                            return std::array{edge.pair.u_i_s, edge.pair.u_j_s};
+                          }));
 }
 
 Hypothesis LaserByStrip(const std::vector<StripInterval>& strips) {

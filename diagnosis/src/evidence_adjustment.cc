@@ -29,11 +29,11 @@ double SharedPart(const Judged& one, const Judged& neighbour) {
 }
 
 std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& marginals,
-                          FactorId FlightNetwork::GnssEdge::*which) {
+                          FactorId GnssEdge::*which) {
   std::vector<Judged> judged;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const FactorId id = edge.*which;
-    if (id < 0 || !network.net.factor(id).active) continue;
+    if (id < 0 || !network.net().factor(id).active) continue;
     const Prediction prediction = PredictFactor(marginals, id);
     if (prediction.determined) judged.push_back({id, prediction.statistic, prediction.residual});
   }
@@ -61,12 +61,11 @@ long RejectGnssOutliers(AdjustmentRun& run) {
   long rejected = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     run.Announce("GNSS, outliers");
-    Marginals marginals(run.network().net, {.threads = run.options().threads});
+    Marginals marginals(run.network().net(), {.threads = run.options().threads});
     marginals.ComputeSelectedInverse();
     long now = 0;
-    for (const auto which :
-         {&FlightNetwork::GnssEdge::position, &FlightNetwork::GnssEdge::velocity}) {
-      now += RejectIsolated(Judge(run.network(), marginals, which), &run.network().net);
+    for (const auto which : {&GnssEdge::position, &GnssEdge::velocity}) {
+      now += RejectIsolated(Judge(run.network(), marginals, which), &run.network().net());
     }
     if (now == 0) break;
     rejected += now;

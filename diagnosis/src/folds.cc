@@ -21,8 +21,8 @@ constexpr std::size_t kFewestPairsOfTile = 12;
 std::vector<Vector2d> PairGroundPositions(const FlightNetwork& network) {
   const Mounting& mounting = network.flight().config.lidar->mounting;
   std::vector<Vector2d> ground_m;
-  for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-    const MapPose pose = network.NodePose(edge.node_i);
+  for (const PairEdge& edge : network.pairs().edges()) {
+    const MapPose pose = network.trajectory().NodePose(edge.node_i);
     ground_m.emplace_back(Georeference(pose, mounting, edge.pair.u_i_s).head<2>());
   }
   return ground_m;
@@ -71,7 +71,7 @@ class Tiles {
 };
 
 void AddTiles(const FlightNetwork& network, int count, std::vector<Fold>* folds) {
-  const std::size_t pairs = network.pair_edges.size();
+  const std::size_t pairs = network.pairs().edges().size();
   const int tiles = std::min(count, static_cast<int>(pairs / kFewestPairsOfTile));
   if (tiles < 2) return;
   const std::vector<Vector2d> ground_m = PairGroundPositions(network);
@@ -79,7 +79,7 @@ void AddTiles(const FlightNetwork& network, int count, std::vector<Fold>* folds)
   for (const std::vector<std::size_t>& tile : split.tiles()) {
     Fold fold;
     for (const std::size_t k : tile) {
-      const LidarPair& pair = network.pair_edges[k].pair;
+      const LidarPair& pair = network.pairs().edges()[k].pair;
       fold.pairs_t_s.emplace_back(pair.t_i_s, pair.t_j_s);
     }
     folds->push_back(std::move(fold));
@@ -87,9 +87,9 @@ void AddTiles(const FlightNetwork& network, int count, std::vector<Fold>* folds)
 }
 
 void AddOutages(const FlightNetwork& network, int count, std::vector<Fold>* folds) {
-  const double begin_s = network.node_times().front();
+  const double begin_s = network.trajectory().node_times().front();
   std::vector<Fold> outages(static_cast<std::size_t>(std::min(count, kOutageSpacing)));
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const double t_s = network.flight().gnss->epochs[edge.epoch].t_s;
     const int at = static_cast<int>((t_s - begin_s) / kOutageS) % kOutageSpacing;
     for (std::size_t k = 0; k < outages.size(); ++k) {
@@ -113,11 +113,11 @@ std::vector<Fold> MakeFolds(const FlightNetwork& network, int num_per_kind) {
 
 std::vector<FoldFactor> FindFoldFactors(const Fold& fold, const FlightNetwork& network) {
   std::map<std::pair<double, double>, FoldFactor> pairs;
-  for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-    pairs[{edge.pair.t_i_s, edge.pair.t_j_s}] = {edge.id, network.nodes[edge.node_i].p_mb.id};
+  for (const PairEdge& edge : network.pairs().edges()) {
+    pairs[{edge.pair.t_i_s, edge.pair.t_j_s}] = {edge.id, network.nodes()[edge.node_i].p_mb.id};
   }
-  std::map<std::size_t, const FlightNetwork::GnssEdge*> epochs;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) epochs[edge.epoch] = &edge;
+  std::map<std::size_t, const GnssEdge*> epochs;
+  for (const GnssEdge& edge : network.gnss().edges()) epochs[edge.epoch] = &edge;
   std::vector<FoldFactor> factors;
   for (const auto& t_s : fold.pairs_t_s) {
     const auto at = pairs.find(t_s);
@@ -126,7 +126,7 @@ std::vector<FoldFactor> FindFoldFactors(const Fold& fold, const FlightNetwork& n
   for (const std::size_t epoch : fold.gnss_epochs) {
     const auto at = epochs.find(epoch);
     const bool there = at != epochs.end();
-    const NodeBlocks* node = there ? &network.nodes[at->second->node] : nullptr;
+    const NodeBlocks* node = there ? &network.nodes()[at->second->node] : nullptr;
     factors.push_back(there ? FoldFactor{at->second->position, node->p_mb.id} : FoldFactor{});
     factors.push_back(there ? FoldFactor{at->second->velocity, node->v_m.id} : FoldFactor{});
   }

@@ -44,7 +44,7 @@ std::optional<Network> WithoutCause(const FlightNetwork& network, const std::str
     return entry.unknown == effect;
   });
   if (!there) return std::nullopt;
-  Network net = network.net;
+  Network net = network.net();
   const BlockId id = net.Find(effect);
   const Eigen::VectorXd value = AssumedValue(network.flight(), effect);
   net.SetRaw(id, value.data());
@@ -69,7 +69,7 @@ std::vector<CommonFold> CommonFolds(const FlightNetwork& without, const FlightNe
     const std::vector<FoldFactor> b = FindFoldFactors(fold, with);
     CommonFold both;
     for (std::size_t k = 0; k < a.size(); ++k) {
-      if (!Active(a[k], without.net) || !Active(b[k], with.net)) continue;
+      if (!Active(a[k], without.net()) || !Active(b[k], with.net())) continue;
       both.without.push_back(a[k]);
       both.with.push_back(b[k]);
     }
@@ -160,8 +160,8 @@ HeldOutGains MeasureHeldOut(const NetworkFit& without, const NetworkFit& with,
   for (std::size_t k = 0; k < but_one.size(); ++k) {
     if (but_one[k]) densities_but_one[k].emplace(*but_one[k], std::vector<FoldDensity::Further>{});
   }
-  const FoldDensity before(without.solution->network().net, {});
-  const FoldDensity after(network.net, LikeliestFurther(with));
+  const FoldDensity before(without.solution->network().net(), {});
+  const FoldDensity after(network.net(), LikeliestFurther(with));
   std::vector<FoldLogDensities> of_folds(folds.size());
   ParallelFor(static_cast<int>(folds.size()), options.threads, [&](int k) {
     if (options.interrupted && options.interrupted()) throw Interrupted();

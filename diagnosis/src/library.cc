@@ -22,10 +22,10 @@ class LibraryMaker {
   LibraryMaker(const FlightNetwork& network, const LinearizedNetwork& linearized,
                const LibraryOptions& options)
       : network_(network), linearized_(linearized), options_(options) {
-    begin_s_ = network.node_times().front();
-    length_s_ = network.node_times().back() - begin_s_;
-    for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-      with_pairs_ = with_pairs_ || network.net.factor(edge.id).active;
+    begin_s_ = network.trajectory().node_times().front();
+    length_s_ = network.trajectory().node_times().back() - begin_s_;
+    for (const PairEdge& edge : network.pairs().edges()) {
+      with_pairs_ = with_pairs_ || network.net().factor(edge.id).active;
     }
     if (with_pairs_) strips_ = InTime(FindStrips(network_.flight()));
   }
@@ -45,8 +45,10 @@ class LibraryMaker {
         (this->*shapes_[k - first_shape].add)(std::move(hypothesis), std::move(columns));
       }
     }
-    AddBiasProcesses(EffectId::kGyroBiasProcess, "gyro bias oscillation", network_.gyro_bias);
-    AddBiasProcesses(EffectId::kAccelBiasProcess, "accel bias oscillation", network_.accel_bias);
+    AddBiasProcesses(EffectId::kGyroBiasProcess, "gyro bias oscillation",
+                     network_.trajectory().gyro_bias());
+    AddBiasProcesses(EffectId::kAccelBiasProcess, "accel bias oscillation",
+                     network_.trajectory().accel_bias());
     return std::move(library_);
   }
 
@@ -83,8 +85,8 @@ class LibraryMaker {
 
   std::vector<MapPose> Path() const {
     std::vector<MapPose> path;
-    for (std::size_t k = 0; k < network_.node_times().size(); ++k) {
-      path.push_back(network_.NodePose(k));
+    for (std::size_t k = 0; k < network_.trajectory().node_times().size(); ++k) {
+      path.push_back(network_.trajectory().NodePose(k));
     }
     return path;
   }
@@ -181,14 +183,14 @@ class LibraryMaker {
         chains.begin(), chains.end(),
         [](const auto& a, const auto& b) { return a.blocks.size() < b.blocks.size(); });
     EffectModel model;
-    for (const FlightNetwork::InertialEdge& edge : network_.inertial_edges) {
-      const double t_s = network_.node_times()[edge.node_i];
+    for (const InertialEdge& edge : network_.inertial().edges()) {
+      const double t_s = network_.trajectory().node_times()[edge.node_i];
       AddBias(edge.id, {{chain.At(t_s).id, t_s}}, &model);
     }
-    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+    for (const PairEdge& edge : network_.pairs().edges()) {
       std::map<BlockId, double> blocks;
       for (const std::size_t node : {edge.node_i, edge.node_j}) {
-        const double t_s = network_.node_times()[node];
+        const double t_s = network_.trajectory().node_times()[node];
         blocks[chain.At(t_s).id] = t_s;
       }
       AddBias(edge.id, blocks, &model);

@@ -114,13 +114,13 @@ class Lineariser {
   }
 
   PairEnd MakePairEnd(const GaussHelmertEnd& end, const Vector3d& v_phi, const Matrix3d& W) const {
-    const Matrix3d& R_bs = lidar_.mounting.R_bs_nominal;
+    const Matrix3d& R_bs_nominal = lidar_.mounting.R_bs_nominal;
     const Vector3d s_b = calibration_.problem.lever_arm_b_m + q_boresight_ * end.u_b;
     PairEnd out;
     out.t_s = end.t_s;
-    out.u_s = R_bs.transpose() * end.u_b;
+    out.u_s = R_bs_nominal.transpose() * end.u_b;
     out.J_r_a = W * (end.q_mb * Exp(v_phi)).toRotationMatrix();
-    out.J_r_u = out.J_r_a * q_boresight_.toRotationMatrix() * R_bs;
+    out.J_r_u = out.J_r_a * q_boresight_.toRotationMatrix() * R_bs_nominal;
     out.J_r_turn = -out.J_r_a * Skew(q_boresight_ * end.u_b) * left_jacobian_;
     out.J_r_t = -W * velocity_.At(end.t_s, s_b);
     return out;

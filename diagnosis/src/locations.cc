@@ -1,5 +1,6 @@
 #include "locations.h"
 
+#include <dn/builder/gnss_factors.h>
 #include <dn/files/scan_angle.h>
 #include <dn/files/strip_at.h>
 #include <fmt/format.h>
@@ -77,7 +78,7 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
     AddSeries(series);
   }
   AddPairs(network, linearized);
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const auto rows = linearized.FindRows(edge.position);
     if (!rows) continue;
     const Flight& flight = network.flight();
@@ -152,12 +153,12 @@ void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& 
   const char* axes[] = {"east", "north", "up"};
   std::map<std::string, std::array<Terms, 3>> groups;
   double most_rad = 1e-3, longest_m = 1.0;
-  for (const auto& edge : network.pair_edges) {
+  for (const auto& edge : network.pairs().edges()) {
     most_rad = std::max(most_rad, std::abs(ScanAngle(lidar, edge.pair.u_i_s)));
     longest_m = std::max(longest_m, edge.pair.u_i_s.norm());
   }
   const std::vector<StripInterval> strips = FindStrips(network.flight());
-  for (const auto& edge : network.pair_edges) {
+  for (const auto& edge : network.pairs().edges()) {
     const auto rows = linearized.FindRows(edge.id);
     if (!rows || rows->count != 3) continue;
     const int bin =

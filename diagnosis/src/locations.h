@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/builder/edge_factors.h>
 #include <dn/builder/flight_network.h>
+#include <dn/builder/gnss_factors.h>
 #include <dn/solvers/linearized_network.h>
 
 #include <Eigen/Core>

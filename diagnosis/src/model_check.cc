@@ -32,7 +32,7 @@ constexpr int kWatchedNodes = 8;
 constexpr double kSizeAveragingNats = 2.0;
 
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
-  if (network.pair_edges.empty()) return {};
+  if (network.pairs().edges().empty()) return {};
   std::vector<Hypothesis> discrepancies{LaserByScanAngle(network)};
   const std::vector<StripInterval> strips = FindStrips(network.flight());
   if (strips.size() > 1 && strips.size() <= kMaxJointStrips) {
@@ -83,14 +83,15 @@ class Checker {
 
   /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
   void Watch() {
-    if (!network_.pair_edges.empty() && !network_.net.block(network_.boresight.id).held) {
-      watched_.push_back(network_.boresight.id);
+    if (!network_.pairs().edges().empty() &&
+        !network_.net().block(network_.calibration().boresight().id).held) {
+      watched_.push_back(network_.calibration().boresight().id);
     } else {
       family_.of_boresight = false;
-      const std::size_t n = network_.nodes.size();
+      const std::size_t n = network_.nodes().size();
       for (int k = 1; k <= kWatchedNodes; ++k) {
-        const NodeBlocks& node = network_.nodes[n * static_cast<std::size_t>(k) /
-                                                (static_cast<std::size_t>(kWatchedNodes) + 1)];
+        const NodeBlocks& node = network_.nodes()[n * static_cast<std::size_t>(k) /
+                                                  (static_cast<std::size_t>(kWatchedNodes) + 1)];
         watched_.push_back(node.q_mb.id);
         watched_.push_back(node.p_mb.id);
       }
@@ -191,11 +192,11 @@ class Checker {
   }
 
   void FindClocks(const JointScore& score) {
-    if (!network_.gnss_edges.empty()) {
+    if (!network_.gnss().edges().empty()) {
       check_.clocks.gnss =
           EstimateClock(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score);
     }
-    if (!network_.pair_edges.empty()) {
+    if (!network_.pairs().edges().empty()) {
       check_.clocks.lidar =
           EstimateClock(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, score);
     }
@@ -235,8 +236,8 @@ class Checker {
         ++at;
         return;
       }
-      const BlockId block = network_.net.Find(EffectName(effect));
-      *value = network_.net.block(block).value[0];
+      const BlockId block = network_.net().Find(EffectName(effect));
+      *value = network_.net().block(block).value[0];
       *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
     };
     ClockEstimate clock;
@@ -268,7 +269,7 @@ class Checker {
       const bool is_prior = linearized_.group(rows.factor).kind == FactorGroup::Kind::kPrior;
       if (!is_prior || std::isfinite(linearized_.t_s(rows.factor))) continue;
       const BlockRecord& block =
-          network_.net.block(network_.net.factor(rows.factor).blocks.front());
+          network_.net().block(network_.net().factor(rows.factor).blocks.front());
       const Prediction prediction = PredictFactor(marginals_, rows.factor);
       if (!prediction.determined) continue;
       const double p = ChiSquareTail(prediction.statistic, rows.count);

@@ -124,11 +124,12 @@ class Findings {
 
   void JudgeAttitude(const FlightNetwork& network) {
     double upside_down = 0.0;
-    for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-      const Eigen::Quaterniond q_nb = ToNavPoint(network.NodePose(k), network.flight().frame).q_nb;
+    for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+      const Eigen::Quaterniond q_nb =
+          ToNavPoint(network.trajectory().NodePose(k), network.flight().frame).q_nb;
       if (std::abs(RollPitchHeading(q_nb).x()) > 0.5 * std::numbers::pi) upside_down += 1.0;
     }
-    if (upside_down < kUpsideDownShare * static_cast<double>(network.nodes.size())) return;
+    if (upside_down < kUpsideDownShare * static_cast<double>(network.nodes().size())) return;
     Add(facts::UpsideDown{}, check_.of_boresight, kConclusive);
   }
 
@@ -170,7 +171,8 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.JudgeDiagnosis(network.flight().config);
   findings.JudgePriors();
   if (check->of_boresight) findings.JudgeVectors(network.flight().pairs);
-  if (check->of_boresight) findings.JudgeMounting(Log(network.net.Value(network.boresight)));
+  if (check->of_boresight)
+    findings.JudgeMounting(Log(network.net().Value(network.calibration().boresight())));
   findings.JudgeAttitude(network);
   findings.JudgeGnssClock(adjustment.gnss_clock);
   findings.JudgeEffects(adjustment.gnss_clock.has_value());
@@ -178,9 +180,10 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.JudgeCompetingEffects();
   findings.JudgeCommonErrors();
   findings.JudgeSigma0(trajectory.figures.sigma0);
-  findings.JudgePairsLeftOut(adjustment.outliers, static_cast<long>(network.pair_edges.size()));
+  findings.JudgePairsLeftOut(adjustment.outliers,
+                             static_cast<long>(network.pairs().edges().size()));
   findings.JudgeGnssLeftOut(static_cast<long>(adjustment.gnss_rejected.size()),
-                            static_cast<long>(network.gnss_edges.size()));
+                            static_cast<long>(network.gnss().edges().size()));
   findings.JudgeGroups();
   findings.Add(adjustment.warnings);
   findings.Sort();

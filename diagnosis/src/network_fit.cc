@@ -68,7 +68,7 @@ void TakeEstimates(const std::vector<UnknownEstimate>& unknowns,
 }  // namespace
 
 bool NetworkFit::with_boresight() const {
-  return solution->linearized().FirstColumn(solution->network().boresight.id) >= 0;
+  return solution->linearized().FirstColumn(solution->network().calibration().boresight().id) >= 0;
 }
 
 NetworkFitter::NetworkFitter(const Flight& flight, const GapOptions& options)
@@ -118,20 +118,20 @@ void NetworkFitter::AddOutliers(NetworkFit* fit) const {
   const Adjustment& adjustment = fit->solution->adjustment();
   const FlightNetwork& network = *adjustment.network;
   std::vector<double> pairs_m, positions_m;
-  for (std::size_t k = 0; k < network.pair_edges.size(); ++k) {
-    if (network.net.factor(network.pair_edges[k].id).active) continue;
-    pairs_m.push_back(network.PairDifference(k).norm());
+  for (std::size_t k = 0; k < network.pairs().edges().size(); ++k) {
+    if (network.net().factor(network.pairs().edges()[k].id).active) continue;
+    pairs_m.push_back(network.pairs().Difference(k).norm());
   }
-  add(EffectId::kP2pOutliers, adjustment.outliers, static_cast<long>(network.pair_edges.size()),
-      kGoodPairsLost, pairs_m);
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    if (network.net.factor(edge.position).active) continue;
+  add(EffectId::kP2pOutliers, adjustment.outliers,
+      static_cast<long>(network.pairs().edges().size()), kGoodPairsLost, pairs_m);
+  for (const GnssEdge& edge : network.gnss().edges()) {
+    if (network.net().factor(edge.position).active) continue;
     const Eigen::Vector3d p_m = network.flight().gnss->epochs[edge.epoch].p_m;
-    const MapPose pose = network.NodePose(edge.node);
-    const Eigen::Vector3d arm_b_m = network.net.Value(network.gnss_lever_arm);
+    const MapPose pose = network.trajectory().NodePose(edge.node);
+    const Eigen::Vector3d arm_b_m = network.net().Value(network.calibration().gnss_lever_arm());
     positions_m.push_back((pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());
   }
-  add(EffectId::kGnssOutliers, fit->gnss_left_out, static_cast<long>(network.gnss_edges.size()),
+  add(EffectId::kGnssOutliers, fit->gnss_left_out, static_cast<long>(network.gnss().edges().size()),
       kGoodEpochsLost, positions_m);
 }
 

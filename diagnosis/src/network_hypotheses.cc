@@ -57,7 +57,7 @@ class NetworkHypotheses {
       : network_(network),
         threads_(threads),
         means_(AverageSamples(*network.flight().imu, kMeanInterval_s)),
-        state_(network.Calibration()),
+        state_(network.calibration().State()),
         num_discrepancies_(discrepancies.size()) {
     for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
     for (const Hypothesis& discrepancy : discrepancies) AddAtZero(discrepancy);
@@ -83,8 +83,8 @@ class NetworkHypotheses {
   void Add(const EstimableEffect& effect) {
     const EffectSpec& spec = EffectRow(effect.id);
     const bool of_lidar = spec.sensor == EffectSensor::kLidar;
-    if (of_lidar ? network_.pair_edges.empty()
-                 : spec.sensor == EffectSensor::kGnss && network_.gnss_edges.empty()) {
+    if (of_lidar ? network_.pairs().edges().empty()
+                 : spec.sensor == EffectSensor::kGnss && network_.gnss().edges().empty()) {
       return;
     }
     if (effect.make == nullptr) {
@@ -99,7 +99,8 @@ class NetworkHypotheses {
   }
 
   bool Estimated(const std::string& name) const {
-    return std::any_of(network_.effects.begin(), network_.effects.end(),
+    return std::any_of(network_.calibration().effects().begin(),
+                       network_.calibration().effects().end(),
                        [&](const EffectBlock& effect) { return effect.name == name; });
   }
 
@@ -112,15 +113,15 @@ class NetworkHypotheses {
 
   /// Adds a constant block as a hypothesis: the change from its constant value.
   void AddBlock(const EstimableEffect& effect, bool of_lidar) {
-    const BlockId block = network_.net.Find(effect.name());
-    if (!network_.net.block(block).held) return;
+    const BlockId block = network_.net().Find(effect.name());
+    if (!network_.net().block(block).held) return;
     found_.Add(MakeHypothesis(effect, {network_.flight()}), {});
     if (!of_lidar) AddGnssBlock(block);
   }
 
   void AddGnssBlock(BlockId block) {
     std::vector<FactorId> factors;
-    for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
+    for (const GnssEdge& edge : network_.gnss().edges()) {
       factors.push_back(edge.position);
       if (edge.velocity >= 0) factors.push_back(edge.velocity);
     }
@@ -136,16 +137,16 @@ class NetworkHypotheses {
   /// Returns the derivative of an active factor by a block whose stored coordinates are the tangent
   /// ones. It is empty for an inactive factor.
   Eigen::MatrixXd BlockDerivative(BlockId block, FactorId factor) const {
-    const FactorRecord& record = network_.net.factor(factor);
+    const FactorRecord& record = network_.net().factor(factor);
     if (!record.active) return {};
     std::vector<const double*> x;
     for (const BlockId id : record.blocks) x.push_back(Value(id));
     const auto at = std::find(record.blocks.begin(), record.blocks.end(), block);
     Eigen::VectorXd r(record.factor->residual_size());
-    RowMajor L(r.size(), network_.net.block(block).kind.stored_size);
+    RowMajor L(r.size(), network_.net().block(block).kind.stored_size);
     std::vector<double*> J(x.size(), nullptr);
     J[static_cast<std::size_t>(at - record.blocks.begin())] = L.data();
-    if (!network_.net.EvaluateStored(factor, x.data(), r.data(), J.data())) return {};
+    if (!network_.net().EvaluateStored(factor, x.data(), r.data(), J.data())) return {};
     return L;
   }
 
@@ -163,7 +164,7 @@ class NetworkHypotheses {
   BlockId OwnBlock(std::size_t k) const {
     const CalibrationValue& value = state_.effects[k];
     const bool first = k == 0 || state_.effects[k - 1].name != value.name;
-    for (const EffectBlock& effect : network_.effects) {
+    for (const EffectBlock& effect : network_.calibration().effects()) {
       if (first && effect.name == value.name) return effect.id;
     }
     return -1;
@@ -171,9 +172,9 @@ class NetworkHypotheses {
 
   void AddInertial() {
     EdgeKind kind;
-    for (const auto& edge : network_.inertial_edges) kind.edges.push_back(edge.id);
+    for (const auto& edge : network_.inertial().edges()) kind.edges.push_back(edge.id);
     kind.effects = InertialEffectIndices(state_);
-    kind.own_effects = InertialEffectIndices(network_.Calibration()).size();
+    kind.own_effects = InertialEffectIndices(network_.calibration().State()).size();
     kind.make = [&](std::size_t k) { return bridging_[k] ? bridging_[k] : InertialFactor(k); };
     Differentiate(kind);
   }
@@ -181,11 +182,11 @@ class NetworkHypotheses {
   /// Makes the factors of inertial edges that pairs use; AddInertial and AddPairs both need them.
   void MakeBridgingEdges() {
     std::set<std::size_t> edges;
-    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+    for (const PairEdge& edge : network_.pairs().edges()) {
       if (edge.bridge_i) edges.insert(*edge.bridge_i);
       if (edge.bridge_j) edges.insert(*edge.bridge_j);
     }
-    bridging_.resize(network_.inertial_edges.size());
+    bridging_.resize(network_.inertial().edges().size());
     const std::vector<std::size_t> all(edges.begin(), edges.end());
     ParallelFor(static_cast<int>(all.size()), threads_, [&](int k) {
       const std::size_t edge = all[static_cast<std::size_t>(k)];
@@ -194,13 +195,13 @@ class NetworkHypotheses {
   }
 
   std::shared_ptr<const PreintegratedInertial> InertialFactor(std::size_t edge) const {
-    return network_.InertialFactorByMeans(network_.inertial_edges[edge], state_, means_);
+    return network_.inertial().FactorByMeans(network_.inertial().edges()[edge], state_, means_);
   }
 
   void AddGnss() {
     EdgeKind position, velocity;
-    std::vector<const FlightNetwork::GnssEdge*> with_velocity;
-    for (const auto& edge : network_.gnss_edges) {
+    std::vector<const GnssEdge*> with_velocity;
+    for (const auto& edge : network_.gnss().edges()) {
       position.edges.push_back(edge.position);
       position.nodes.push_back(edge.node);
       if (edge.velocity < 0) continue;
@@ -208,24 +209,24 @@ class NetworkHypotheses {
       velocity.edges.push_back(edge.velocity);
       velocity.nodes.push_back(edge.node);
     }
-    if (!network_.gnss_error.empty()) {
-      position.own_effects = GnssEffectIndices(network_.Calibration()).size();
+    if (!network_.trajectory().gnss_error().empty()) {
+      position.own_effects = GnssEffectIndices(network_.calibration().State()).size();
     }
     position.effects = velocity.effects = GnssEffectIndices(state_);
     position.make = [&](std::size_t k) {
-      return network_.GnssPositionFactor(network_.gnss_edges[k], state_);
+      return network_.gnss().PositionFactor(network_.gnss().edges()[k], state_);
     };
     velocity.make = [&](std::size_t k) {
-      return network_.GnssVelocityFactor(*with_velocity[k], state_);
+      return network_.gnss().VelocityFactor(*with_velocity[k], state_);
     };
     Differentiate(position);
     Differentiate(velocity);
   }
 
   void AddPairs() {
-    if (network_.pair_edges.empty()) return;
+    if (network_.pairs().edges().empty()) return;
     std::vector<FactorId> edges;
-    for (const auto& edge : network_.pair_edges) edges.push_back(edge.id);
+    for (const auto& edge : network_.pairs().edges()) edges.push_back(edge.id);
     std::vector<Eigen::Matrix3Xd> whole;
     for (const auto& inertial : bridging_) {
       whole.emplace_back();
@@ -248,24 +249,24 @@ class NetworkHypotheses {
   std::vector<const double*> FactorValues(const EdgeKind& kind, std::size_t k) const {
     std::vector<const double*> x;
     if (kind.own_effects) {
-      const std::vector<BlockId>& blocks = network_.net.factor(kind.edges[k]).blocks;
+      const std::vector<BlockId>& blocks = network_.net().factor(kind.edges[k]).blocks;
       const std::size_t others = blocks.size() - *kind.own_effects;
       for (std::size_t b = 0; b < others; ++b) x.push_back(Value(blocks[b]));
     } else {
-      const NodeBlocks& node = network_.nodes[kind.nodes[k]];
-      x = {Value(node.q_mb.id), Value(node.p_mb.id), Value(network_.gnss_lever_arm.id),
-           Value(node.v_m.id)};
+      const NodeBlocks& node = network_.nodes()[kind.nodes[k]];
+      x = {Value(node.q_mb.id), Value(node.p_mb.id),
+           Value(network_.calibration().gnss_lever_arm().id), Value(node.v_m.id)};
     }
     for (const std::size_t e : kind.effects) x.push_back(state_.effects[e].value.data());
     return x;
   }
 
-  const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
+  const double* Value(BlockId id) const { return network_.net().block(id).value.get(); }
 
   /// Returns the derivative of an edge's residual by the effects, one block of columns after
   /// another. It is empty for an inactive edge.
   Eigen::MatrixXd EffectDerivatives(const EdgeKind& kind, std::size_t k) const {
-    const FactorRecord& record = network_.net.factor(kind.edges[k]);
+    const FactorRecord& record = network_.net().factor(kind.edges[k]);
     if (!record.active) return {};
     const std::shared_ptr<const FactorBase> factor = kind.make(k);
     const int rows = factor->residual_size();

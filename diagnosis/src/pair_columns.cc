@@ -1,5 +1,6 @@
 #include "pair_columns.h"
 
+#include <dn/builder/gravitation_jacobians.h>
 #include <dn/factors/point_sensitivity.h>
 
 #include <array>
@@ -21,7 +22,7 @@ class Columns {
         whole_(whole),
         threads_(threads),
         lidar_(PairCalibration(calibration).lidar()),
-        gravitation_(network.nodes.size()) {
+        gravitation_(network.nodes().size()) {
     for (const std::size_t e : PairEffectIndices(calibration)) {
       values_.push_back(calibration.effects[e].value.data());
       num_values_ += calibration.effects[e].value.size();
@@ -29,38 +30,39 @@ class Columns {
   }
 
   std::vector<Matrix3Xd> Run() {
-    columns_.resize(network_.pair_edges.size());
+    columns_.resize(network_.pairs().edges().size());
     for (std::size_t k = 0; k < columns_.size(); ++k) {
-      const FlightNetwork::PairEdge& edge = network_.pair_edges[k];
-      const FactorRecord& record = network_.net.factor(edge.id);
+      const PairEdge& edge = network_.pairs().edges()[k];
+      const FactorRecord& record = network_.net().factor(edge.id);
       if (!record.active || record.factor->residual_size() != 3) continue;
       columns_[k].setZero(3, kPairEffectsColumn + num_values_);
       ComputeGravitationAt(edge.node_i);
       ComputeGravitationAt(edge.node_j);
     }
-    network_.ForPairEnds(
+    network_.pairs().ForEnds(
         calibration_, means_, threads_,
-        [&](const FlightNetwork::PairEndIndex& end, const Preintegrated& to) { Add(end, to); });
+        [&](const PairEndIndex& end, const Preintegrated& to) { Add(end, to); });
     return std::move(columns_);
   }
 
  private:
   void ComputeGravitationAt(std::size_t node) {
     if (!gravitation_[node]) {
-      gravitation_[node] = GravitationJacobians(calibration_, network_.NodePose(node).p_mb);
+      gravitation_[node] =
+          GravitationJacobians(calibration_, network_.trajectory().NodePose(node).p_mb);
     }
   }
 
-  void Add(const FlightNetwork::PairEndIndex& end, const Preintegrated& increments) {
+  void Add(const PairEndIndex& end, const Preintegrated& increments) {
     Matrix3Xd& columns = columns_[end.k];
     if (columns.cols() == 0) return;
-    const FlightNetwork::PairEdge& edge = network_.pair_edges[end.k];
+    const PairEdge& edge = network_.pairs().edges()[end.k];
     const bool first = end.end == PointPairFactor::End::kI;
     const std::optional<std::size_t>& bridge = first ? edge.bridge_i : edge.bridge_j;
     const LidarReading reading =
         Corrected(lidar_, values_.data(), first ? edge.pair.t_i_s : edge.pair.t_j_s,
                   first ? edge.pair.u_i_s : edge.pair.u_j_s);
-    const PointSensitivity point = network_.EndSensitivity(end);
+    const PointSensitivity point = network_.pairs().EndSensitivity(end);
     Matrix3Xd end_columns = Matrix3Xd::Zero(3, columns.cols());
     end_columns.middleCols<3>(kLeverArmColumn) = point.lever_arm;
     end_columns.col(kTimeOffsetColumn) = point.delay;

@@ -31,9 +31,9 @@ constexpr double kSizeStep = 0.2;
 constexpr double kAbsent = 1e-3;
 
 const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
-  if (effect == EffectId::kGyroBiasProcess) return network.gyro_bias.back();
-  if (effect == EffectId::kAccelBiasProcess) return network.accel_bias.back();
-  return network.gnss_error.back();
+  if (effect == EffectId::kGyroBiasProcess) return network.trajectory().gyro_bias().back();
+  if (effect == EffectId::kAccelBiasProcess) return network.trajectory().accel_bias().back();
+  return network.trajectory().gnss_error().back();
 }
 
 /// Returns 1 for the rows of the prior and the steps of a chain, which state the size of its
@@ -46,7 +46,7 @@ Eigen::VectorXd ChainRows(const FlightNetwork& network, const LinearizedNetwork&
   for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
     const FactorGroup::Kind kind = linearized.group(rows.factor).kind;
     if (kind == FactorGroup::Kind::kMeasurement) continue;
-    const std::vector<BlockId>& of = network.net.factor(rows.factor).blocks;
+    const std::vector<BlockId>& of = network.net().factor(rows.factor).blocks;
     const bool inside =
         std::all_of(of.begin(), of.end(), [&](BlockId id) { return blocks.count(id) > 0; });
     if (inside) share.segment(rows.first, rows.count).setOnes();
@@ -66,7 +66,7 @@ struct JudgedProcess {
 class SizeLikelihood {
  public:
   SizeLikelihood(const FlightNetwork& network, EffectId effect, int threads)
-      : linearized_(network.net),
+      : linearized_(network.net()),
         likelihood_(linearized_, ChainRows(network, linearized_, NewestChain(network, effect)),
                     threads) {}
 

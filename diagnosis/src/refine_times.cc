@@ -69,7 +69,8 @@ std::ptrdiff_t EpochsWithin(const FlightNetwork& network,
 
 double CellLength(const FlightNetwork& network, EffectId effect) {
   if (effect == EffectId::kBoresightStep) return 1.5 * BoresightCellS(FindStrips(network.flight()));
-  return GnssCellS(network.node_times().back() - network.node_times().front());
+  return GnssCellS(network.trajectory().node_times().back() -
+                   network.trajectory().node_times().front());
 }
 
 }  // namespace
@@ -80,14 +81,15 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
   if (!start && effect->id != EffectId::kGnssPositionStep) return;
   const double reach_s = CellLength(network, *effect->id);
   const FineCells fine =
-      start ? AroundStart(*effect->times.t0_s, reach_s, network.node_times().front())
+      start ? AroundStart(*effect->times.t0_s, reach_s, network.trajectory().node_times().front())
             : AroundWindow(*effect->times.window_s, reach_s);
   const Library found = MakeNetworkHypotheses(
       network, threads, {start ? BoresightByCell(fine.cells) : GnssByCell(fine.cells)});
   if (found.blocks.back().empty()) return;
-  const std::vector<BlockId> watched = start || !network.pair_edges.empty()
-                                           ? std::vector<BlockId>{network.boresight.id}
-                                           : std::vector<BlockId>{};
+  const std::vector<BlockId> watched =
+      start || !network.pairs().edges().empty()
+          ? std::vector<BlockId>{network.calibration().boresight().id}
+          : std::vector<BlockId>{};
   const JointScore score = ScoreEffects(marginals, {found.blocks.back()}, watched);
   Hypothesis step = MakeHypothesis(*effect->id);
   double best = -std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-#include <dn/builder/edge_factors.h>
+#include <dn/builder/gnss_factors.h>
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/replicate_scenario.h>
 #include <dn/effects/effect_table.h>

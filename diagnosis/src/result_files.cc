@@ -266,8 +266,8 @@ Json ReferenceErrorsJson(const FlightNetwork& network) {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d attitude = Eigen::Vector3d::Zero();
   double n = 0.0;
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    const MapPose pose = network.NodePose(k);
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    const MapPose pose = network.trajectory().NodePose(k);
     if (!flight.reference->Covers(pose.t_s)) continue;
     const MapPose truth = flight.reference->MapPoseAt(pose.t_s, flight.frame);
     const Eigen::Matrix3d R_enu_m = flight.frame.R_m_enu(truth.p_mb).transpose();

@@ -15,8 +15,8 @@ namespace dn::internal {
 namespace {
 
 std::vector<BlockId> Watched(const FlightNetwork& network, const LinearizedNetwork& linearized) {
-  if (linearized.FirstColumn(network.boresight.id) < 0) return {};
-  return {network.boresight.id};
+  if (linearized.FirstColumn(network.calibration().boresight().id) < 0) return {};
+  return {network.calibration().boresight().id};
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Signature ComputeSignature(const Flight& with, const Flight& without, const GapO
   const Adjustment adjusted = AdjustWithAllData(with, options);
   Signature signature;
   signature.lambda = 2.0 * std::max(0.0, adjusted.cost - cost_without);
-  const Marginals marginals(adjusted.network->net, {.threads = options.threads});
+  const Marginals marginals(adjusted.network->net(), {.threads = options.threads});
   const internal::Screen screen(*adjusted.network, marginals,
                                 {options.effects, options.left_out, options.threads});
   double most = 0.0;

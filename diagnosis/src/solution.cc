@@ -10,7 +10,7 @@ Solution::Solution(const Flight& flight, const AdjustOptions& options)
 Solution::Solution(Adjustment adjustment, int threads)
     : adjustment_(std::move(adjustment)),
       threads_(threads),
-      marginals_(adjustment_.network->net,
+      marginals_(adjustment_.network->net(),
                  {.threads = threads, .analysis = std::move(adjustment_.analysis)}) {
   marginals_.ComputeSelectedInverse();
 }

@@ -80,14 +80,14 @@ class Variances {
   void MakeComponents() {
     const Eigen::Index n = linearized_.rows();
     Eigen::VectorXd gnss = Eigen::VectorXd::Zero(n), pairs = gnss, ranges = gnss;
-    for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
+    for (const GnssEdge& edge : network_.gnss().edges()) {
       for (const FactorId id : {edge.position, edge.velocity}) {
         if (id < 0) continue;
         if (const auto rows = linearized_.FindRows(id))
           gnss.segment(rows->first, rows->count).setOnes();
       }
     }
-    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+    for (const PairEdge& edge : network_.pairs().edges()) {
       const auto rows = linearized_.FindRows(edge.id);
       if (!rows) continue;
       const double sigma_m = network_.flight().config.lidar->sigma_p_m;

@@ -5,14 +5,6 @@ namespace dn {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Matrix3d EndNoise(const LidarEnd& end, const Matrix3d& R_mb, const Vector3d& l_b) {
-  Eigen::Matrix<double, 3, 9> J_x_increments;
-  J_x_increments << -R_mb * end.partial.delta_q.toRotationMatrix() * Skew(l_b), Matrix3d::Zero(),
-      R_mb;
-  const auto& covariance = end.bridge ? end.bridge->covariance() : end.partial.covariance;
-  return J_x_increments * covariance * J_x_increments.transpose();
-}
-
 LidarPoint::LidarPoint(const LocalFrame& frame, const Preintegrated& partial,
                        const Vector3d& p_nominal_m)
     : state_(frame, partial, p_nominal_m), w_b_(partial.w_end_b_radps), w_ie_m_(frame.w_ie_m()) {}

@@ -18,10 +18,10 @@ PointSensitivity ComputePointSensitivity(const LidarPoint& point, const LidarPoi
 }
 
 void AddEffectJacobians(const PointSensitivity& point, const EffectsOnPoint& effects,
-                        const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum) {
+                        const Eigen::Matrix3d& R_bs_nominal, Eigen::Ref<Eigen::Matrix3Xd> sum) {
   const LidarReading& reading = effects.reading;
   const Eigen::Index lidar = reading.J_u.cols(), imu = effects.increments.cols();
-  const Eigen::Matrix3d by_u_s = point.u_b * T_bs;
+  const Eigen::Matrix3d by_u_s = point.u_b * R_bs_nominal;
   auto of_lidar = sum.leftCols(lidar);
   of_lidar += by_u_s.lazyProduct(reading.J_u);
   of_lidar += point.turn_b.lazyProduct(reading.J_turn);

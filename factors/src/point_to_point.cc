@@ -3,60 +3,22 @@
 #include <dn/rotation.h>
 
 #include <cmath>
-#include <string>
 
 namespace dn {
-namespace {
-
-void CheckEnd(const LidarEnd& end) {
-  if (!end.u_s.allFinite() || !(end.u_s.norm() > 0.0)) {
-    throw InvalidInput("point pair: the laser vector at t = " +
-                       std::to_string(end.partial.t_end_s) + " s is zero or not finite");
-  }
-  if (!end.p_nominal_m.allFinite()) {
-    throw InvalidInput("point pair: the nominal position at t = " +
-                       std::to_string(end.partial.t_begin_s) + " s is not finite");
-  }
-}
-
-void CheckMounting(const Eigen::Matrix3d& T_bs) {
-  constexpr double kTolerance = 1e-6;  // allows for a matrix written with seven digits
-  const double defect = (T_bs * T_bs.transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (!(defect < kTolerance) || T_bs.determinant() < 0.0) {
-    throw InvalidInput(
-        "point pair: the mounting matrix is not a rotation (T T^T differs from the identity by " +
-        std::to_string(defect) + ", determinant " + std::to_string(T_bs.determinant()) + ")");
-  }
-}
-
-}  // namespace
-
-namespace internal {
-
-void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d& T_bs_nominal) {
-  CheckMounting(T_bs_nominal);
-  CheckEnd(i);
-  CheckEnd(j);
-}
-
-}  // namespace internal
-
-PointToPoint::PointToPoint(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
-                           const Eigen::Matrix3d& T_bs_nominal, double dt_nominal_s,
-                           const Noise<3>& noise_m)
-    : u_i_b_(T_bs_nominal * i.u_s),
-      u_j_b_(T_bs_nominal * j.u_s),
-      dt_nominal_s_(dt_nominal_s),
-      W_(noise_m.sqrt_information()) {
-  if (!std::isfinite(dt_nominal_s)) {
+PointToPoint::PointToPoint(const LocalFrame& frame, const PreparedPair& pair)
+    : u_i_b_(pair.R_bs_nominal * pair.i.u_s),
+      u_j_b_(pair.R_bs_nominal * pair.j.u_s),
+      dt_nominal_s_(pair.dt_nominal_s),
+      W_(pair.noise_m.sqrt_information()) {
+  if (!std::isfinite(pair.dt_nominal_s)) {
     throw InvalidInput("point pair: the nominal time offset is not finite");
   }
-  internal::CheckPointPair(i, j, T_bs_nominal);
-  if (i.bridge || j.bridge) {
+  internal::CheckPreparedPair(pair);
+  if (pair.i.bridge || pair.j.bridge) {
     throw InvalidInput("point pair: an end with a bridge needs the blocks of the node after it");
   }
-  i_ = LidarPoint(frame, i.partial, i.p_nominal_m);
-  j_ = LidarPoint(frame, j.partial, j.p_nominal_m);
+  i_ = LidarPoint(frame, pair.i.partial, pair.i.p_nominal_m);
+  j_ = LidarPoint(frame, pair.j.partial, pair.j.p_nominal_m);
 }
 
 LidarPoint::Arguments PointToPoint::Arguments(double const* const* node, const Eigen::Vector3d& u_b,

@@ -14,8 +14,8 @@ using Eigen::VectorXd;
 constexpr std::size_t kPairBlocks = 9;
 constexpr std::size_t kNodeBlocks = 3;
 
-std::size_t Bridges(const LidarEnd& i, const LidarEnd& j) {
-  return (i.bridge ? 1U : 0U) + (j.bridge ? 1U : 0U);
+std::size_t CountBridges(const PreparedPair& pair) {
+  return (pair.i.bridge ? 1U : 0U) + (pair.j.bridge ? 1U : 0U);
 }
 
 std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
@@ -41,34 +41,32 @@ Vector3d Difference(const LidarPoint::Derivatives& i, double ddt_i,
 
 }  // namespace
 
-PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame, const LidarEnd& i,
-                                                   const LidarEnd& j, double tag_i_s,
-                                                   double tag_j_s, const Matrix3d& T_bs_nominal,
-                                                   LidarEffects lidar,
-                                                   std::vector<GravitationBasis> attraction,
-                                                   const Noise<3>& noise_m)
-    : DynamicFactor(3, Kinds(Bridges(i, j), lidar, i.partial.linearisation.effects, attraction)),
-      first_lidar_block_(kPairBlocks + Bridges(i, j)),
+PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame,
+                                                   const PreparedPair& pair, LidarEffects lidar,
+                                                   std::vector<GravitationBasis> attraction)
+    : DynamicFactor(
+          3, Kinds(CountBridges(pair), lidar, pair.i.partial.linearisation.effects, attraction)),
+      first_lidar_block_(kPairBlocks + CountBridges(pair)),
       lidar_(std::move(lidar)),
-      imu_(i.partial.linearisation.effects),
+      imu_(pair.i.partial.linearisation.effects),
       attraction_(std::move(attraction)),
-      T_bs_(T_bs_nominal),
-      W_(noise_m.sqrt_information()) {
-  internal::CheckPointPair(i, j, T_bs_nominal);
-  if (i.partial.J_effects.cols() != j.partial.J_effects.cols()) {
+      R_bs_nominal_(pair.R_bs_nominal),
+      W_(pair.noise_m.sqrt_information()) {
+  internal::CheckPreparedPair(pair);
+  if (pair.i.partial.J_effects.cols() != pair.j.partial.J_effects.cols()) {
     throw InvalidInput(
         "point pair: the increments of its two ends have different inertial effects");
   }
-  i_ = MakeEnd(frame, i, tag_i_s, 0, kPairBlocks);
-  j_ = MakeEnd(frame, j, tag_j_s, kNodeBlocks, kPairBlocks + (i.bridge ? 1 : 0));
+  i_ = MakeEnd(frame, pair.i, 0, kPairBlocks);
+  j_ = MakeEnd(frame, pair.j, kNodeBlocks, kPairBlocks + (pair.i.bridge ? 1 : 0));
 }
 
 PointToPointBetweenNodes::End PointToPointBetweenNodes::MakeEnd(const LocalFrame& frame,
-                                                                const LidarEnd& end, double tag_s,
+                                                                const LidarEnd& end,
                                                                 std::size_t node,
                                                                 std::size_t node_after) {
   return {LidarPoint(frame, end.partial, end.p_nominal_m),
-          tag_s,
+          end.tag_s,
           end.partial.t_end_s,
           end.u_s,
           end.partial.J_effects,
@@ -128,7 +126,7 @@ PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
                   Vec3(node[2]),
                   Exp(at.theta),
                   Vec3(x[7]),
-                  T_bs_ * at.reading.u_s,
+                  R_bs_nominal_ * at.reading.u_s,
                   x[8][0] + at.reading.delay_s - (end.tag_s - end.t_end_s)};
   return at;
 }
@@ -152,7 +150,8 @@ void PointToPointBetweenNodes::AddEndEffectJacobians(const End& end, const EndAt
                                                      const PointSensitivity& point,
                                                      Matrix3Xd* sum) const {
   const Matrix3Xd* whole = end.bridge ? &end.bridge->J_q_effects() : nullptr;
-  AddEffectJacobians(point, {at.reading, end.J_increments, whole, attraction_}, T_bs_, *sum);
+  AddEffectJacobians(point, {at.reading, end.J_increments, whole, attraction_}, R_bs_nominal_,
+                     *sum);
 }
 
 bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, double** J) const {

@@ -177,7 +177,7 @@ LidarScenario ReadLidar(const YamlValue& s) {
                        "beam_divergence_mrad", "sigma_range_m"});
   LidarScenario lidar;
   const ScannerAxes axes = ReadScannerAxes(s, false);
-  lidar.mounting.R_bs_nominal = axes.R_bs;
+  lidar.mounting.R_bs_nominal = axes.R_bs_nominal;
   lidar.scan_axis_s = axes.scan_axis_s;
   lidar.nadir_axis_s = axes.nadir_axis_s;
   lidar.mounting.lever_arm_b_m = s["lever_arm_m"].Vector3Or(Eigen::Vector3d::Zero());

@@ -105,8 +105,9 @@ TEST(Adjust, TwoRunsGiveIdenticalNumbers) {
   EXPECT_EQ(a.boresight.covariance_rad2, b.boresight.covariance_rad2);
   EXPECT_EQ(a.adjustment.cost, b.adjustment.cost);
   EXPECT_EQ(a.adjustment.iterations, b.adjustment.iterations);
-  const std::size_t last = a.adjustment.network->nodes.size() - 1;
-  EXPECT_EQ(a.adjustment.network->NodePose(last).p_mb, b.adjustment.network->NodePose(last).p_mb);
+  const std::size_t last = a.adjustment.network->nodes().size() - 1;
+  EXPECT_EQ(a.adjustment.network->trajectory().NodePose(last).p_mb,
+            b.adjustment.network->trajectory().NodePose(last).p_mb);
 }
 
 TEST(Adjust, WithoutPairsOnlyTheTrajectoryIsEstimated) {
@@ -115,9 +116,9 @@ TEST(Adjust, WithoutPairsOnlyTheTrajectoryIsEstimated) {
   options.with_pairs = false;
   const Adjustment adjustment = Adjust(sim.flight, options);
   EXPECT_TRUE(adjustment.converged);
-  EXPECT_TRUE(adjustment.network->pair_edges.empty());
+  EXPECT_TRUE(adjustment.network->pairs().edges().empty());
   EXPECT_EQ(adjustment.outliers, 0);
-  const CostSummary summary = EvaluateCost(adjustment.network->net);
+  const CostSummary summary = EvaluateCost(adjustment.network->net());
   const auto n = static_cast<double>(summary.residuals - summary.parameters);
   EXPECT_NEAR(2.0 * summary.cost / n, 1.0, kSigmas * std::sqrt(2.0 / n));
 }

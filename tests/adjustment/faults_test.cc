@@ -72,9 +72,9 @@ class Faults : public ::testing::TestWithParam<const char*> {
     const Eigen::Vector3d e = c.BoresightError(sim_.boresight_rad);
     EXPECT_LT(e.cwiseQuotient(c.boresight.sigma_rad()).cwiseAbs().maxCoeff(), kSigmas);
     EXPECT_EQ(c.boresight.verdict, Verdict::kCalibrated);
-    for (const NodeBlocks& node : c.adjustment.network->nodes) {
+    for (const NodeBlocks& node : c.adjustment.network->nodes()) {
       const Eigen::Vector3d dp =
-          c.adjustment.network->net.Value(node.p_mb) - sim_.truth->Pose(node.t_s).p_mb;
+          c.adjustment.network->net().Value(node.p_mb) - sim_.truth->Pose(node.t_s).p_mb;
       EXPECT_LT(dp.dot(c.marginals.DiagonalBlock(node.p_mb.id).ldlt().solve(dp)), kWorstNees)
           << "position at " << node.t_s - t0_s_;
     }
@@ -151,7 +151,7 @@ TEST_P(Faults, AGapInTheInertialDataIsSurvived) {
   const double in_strip_s = sim_.strips[1].t0_s + 3.0;
   RemoveImu(in_strip_s, in_strip_s + 0.5);
   const Calibration c(sim_.flight);
-  EXPECT_GT(c.adjustment.network->pairs_in_imu_gaps, 0);
+  EXPECT_GT(c.adjustment.network->pairs().in_imu_gaps(), 0);
   ExpectHonest(c);
 }
 
@@ -171,7 +171,7 @@ TEST_P(Faults, LostRowsOfTheInertialDataAreBridged) {
   ASSERT_TRUE(imu.gaps.empty());
   ASSERT_EQ(imu.bridges.size(), 2 * sim_.strips.size());
   const Calibration c(sim_.flight);
-  EXPECT_EQ(c.adjustment.network->pairs_in_imu_gaps, 0);
+  EXPECT_EQ(c.adjustment.network->pairs().in_imu_gaps(), 0);
   EXPECT_TRUE(c.adjustment.warnings.empty());
   ExpectHonest(c);
 }
@@ -196,7 +196,7 @@ TEST_P(Faults, LateSensorsShortenTheTrajectory) {
   RemoveImu(0.0, t0_s_ + 40.0);
   const Calibration late_imu(sim_.flight);
   ExpectHonest(late_imu);
-  EXPECT_NEAR(late_imu.adjustment.network->node_times().front(), t0_s_ + 40.0, 1.0);
+  EXPECT_NEAR(late_imu.adjustment.network->trajectory().node_times().front(), t0_s_ + 40.0, 1.0);
 }
 
 TEST_P(Faults, AClockThatStepsIsRefused) {

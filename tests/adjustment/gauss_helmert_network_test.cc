@@ -32,8 +32,8 @@ struct PoseNetwork {
       const std::string name = std::to_string(k);
       const Node i = AddNode(pair.i, "i/" + name);
       const Node j = AddNode(pair.j, "j/" + name);
-      const PointToPoint edge(frame, AtNode(pair.i), AtNode(pair.j), Eigen::Matrix3d::Identity(),
-                              0.0, Noise<3>::Covariance(pair.covariance_m2));
+      const PointToPoint edge(frame, {AtNode(pair.i), AtNode(pair.j), Eigen::Matrix3d::Identity(),
+                                      0.0, Noise<3>::Covariance(pair.covariance_m2)});
       net.Add(edge, i.q, i.p, i.v, j.q, j.p, j.v, boresight, lever_arm, time_offset);
     }
   }

@@ -38,8 +38,8 @@ struct Nees {
 
 double PositionNees(const SimulatedFlight& sim, const Calibration& calibration) {
   const FlightNetwork& network = *calibration.adjustment.network;
-  const NodeBlocks& node = network.nodes[network.nodes.size() / 2];
-  const Eigen::Vector3d error = network.net.Value(node.p_mb) - sim.truth->Pose(node.t_s).p_mb;
+  const NodeBlocks& node = network.nodes()[network.nodes().size() / 2];
+  const Eigen::Vector3d error = network.net().Value(node.p_mb) - sim.truth->Pose(node.t_s).p_mb;
   return error.dot(calibration.marginals.Covariance(node.p_mb).ldlt().solve(error));
 }
 
@@ -107,13 +107,13 @@ TEST(GnssErrors, ReportHasTheProcesses) {
   options.with_pairs = false;
   const Adjustment adjustment = Adjust(sim.flight, options);
   const FlightNetwork& network = *adjustment.network;
-  Marginals marginals(network.net);
+  Marginals marginals(network.net());
   marginals.ComputeSelectedInverse();
   const Json json = GnssErrorsJson(adjustment, marginals);
   ASSERT_EQ(json["processes"].size(), kProcesses.size());
   const Json& east_north = json["processes"][0];
   EXPECT_EQ(east_north["tau_s"], 120.0);
-  EXPECT_EQ(east_north["states"], network.gnss_error[0].blocks.size());
+  EXPECT_EQ(east_north["states"], network.trajectory().gnss_error()[0].blocks.size());
   const Json &estimate_m = east_north["rms_enu_m"], &sigma_m = east_north["posterior_sigma_enu_m"];
   // The variance of the estimates and the posterior variance add up to the stated variance.
   EXPECT_LT(sigma_m[0], 0.015);
@@ -123,7 +123,7 @@ TEST(GnssErrors, ReportHasTheProcesses) {
   std::string line;
   long rows = -1;  // -1 for the header
   while (std::getline(lines, line)) ++rows;
-  EXPECT_EQ(rows, static_cast<long>(network.gnss_edges.size()));
+  EXPECT_EQ(rows, static_cast<long>(network.gnss().edges().size()));
 }
 
 }  // namespace dn::gnss_errors_test

@@ -57,7 +57,7 @@ TEST_F(PairResidualsOfADrone, BeforeAndAfterDifferByTheBoresight) {
   calibrated.config.lidar->mounting.boresight_rad = calibration_->boresight.angles_rad;
   const PoseInterpolator poses(trajectory_->ToMapPoses(flight_->frame));
   for (std::size_t k = 0; k < residuals_->size(); ++k) {
-    const LidarPair& pair = calibration_->adjustment.network->pair_edges[k].pair;
+    const LidarPair& pair = calibration_->adjustment.network->pairs().edges()[k].pair;
     const Mounting& mounting = calibrated.config.lidar->mounting;
     const Eigen::Vector3d difference = Georeference(poses.At(pair.t_i_s), mounting, pair.u_i_s) -
                                        Georeference(poses.At(pair.t_j_s), mounting, pair.u_j_s);

@@ -120,17 +120,17 @@ TEST(RawInertial, IsTheSameWhereItIsTakenLast) {
   const Flight flight = TwoStrips().flight;
   const Adjustment last = AdjustSpoilt(flight, {});
   const Adjustment first = AdjustSpoilt(flight, [](FlightNetwork&) {});
-  ASSERT_EQ(last.network->nodes.size(), first.network->nodes.size());
+  ASSERT_EQ(last.network->nodes().size(), first.network->nodes().size());
   EXPECT_EQ(last.outliers, first.outliers);
   EXPECT_GE(last.outliers, 2);
   EXPECT_EQ(last.gnss_rejected, first.gnss_rejected);
   EXPECT_EQ(last.gnss_rejected, std::vector<std::size_t>{20});
-  const Marginals marginals(first.network->net);
+  const Marginals marginals(first.network->net());
   const Eigen::Vector3d sigma =
-      marginals.Covariance(first.network->boresight.id).diagonal().cwiseSqrt();
+      marginals.Covariance(first.network->calibration().boresight().id).diagonal().cwiseSqrt();
   const Eigen::Vector3d apart =
-      Log<double>(last.network->net.Value(last.network->boresight) *
-                  first.network->net.Value(first.network->boresight).conjugate());
+      Log<double>(last.network->net().Value(last.network->calibration().boresight()) *
+                  first.network->net().Value(first.network->calibration().boresight()).conjugate());
   EXPECT_LT(apart.cwiseQuotient(sigma).norm(), kSame);
   EXPECT_NEAR(last.cost / first.cost, 1.0, kSameCost);
 }

@@ -112,8 +112,8 @@ TEST(Stages, PairsMayBeJudgedTwice) {
                          }});
   const Adjustment adjustment = Adjust(sim.flight, options);
   long out = 0;
-  for (const FlightNetwork::PairEdge& edge : adjustment.network->pair_edges) {
-    out += adjustment.network->net.factor(edge.id).active ? 0 : 1;
+  for (const PairEdge& edge : adjustment.network->pairs().edges()) {
+    out += adjustment.network->net().factor(edge.id).active ? 0 : 1;
   }
   EXPECT_GT(out, 15);
   EXPECT_EQ(adjustment.outliers, out) << "each pair counts once";
@@ -183,9 +183,9 @@ TEST(Stages, AnUndefinedFactorOfTheUserIsNamed) {
   const SimulatedFlight sim = Fly(5);
   const auto add = [](FlightNetwork& network) {
     using std::log;
-    const FactorId id = network.net.Add([](const auto& p) { return log(-p.z() * p.z()); },
-                                        Noise<1>::Sigma(1.0), network.nodes[7].p_mb);
-    network.net.Tag(id, "my altimeter", network.nodes[7].t_s);
+    const FactorId id = network.net().Add([](const auto& p) { return log(-p.z() * p.z()); },
+                                          Noise<1>::Sigma(1.0), network.nodes()[7].p_mb);
+    network.net().Tag(id, "my altimeter", network.nodes()[7].t_s);
   };
   for (const bool before_lidar : {false, true}) {
     AdjustOptions options;
@@ -202,12 +202,12 @@ class OwnFactors : public ::testing::TestWithParam<bool> {
   static constexpr double kOffsetM = 12.5;
 
   void Add(FlightNetwork& network) {
-    pairs_at_call_ = network.pair_edges.size();
-    offset_ = network.net.AddScalar("altimeter offset", 0.0);
+    pairs_at_call_ = network.pairs().edges().size();
+    offset_ = network.net().AddScalar("altimeter offset", 0.0);
     for (std::size_t k = 100; k < 200; ++k) {
-      const double reading_m = sim_.truth->Pose(network.nodes[k].t_s).p_mb.z() - kOffsetM;
-      network.net.Add([=](const auto& p_mb, const auto& o) { return p_mb.z() - o - reading_m; },
-                      Noise<1>::Sigma(0.05), network.nodes[k].p_mb, offset_);
+      const double reading_m = sim_.truth->Pose(network.nodes()[k].t_s).p_mb.z() - kOffsetM;
+      network.net().Add([=](const auto& p_mb, const auto& o) { return p_mb.z() - o - reading_m; },
+                        Noise<1>::Sigma(0.05), network.nodes()[k].p_mb, offset_);
     }
   }
 
@@ -226,13 +226,13 @@ TEST_P(OwnFactors, AreSeenByTheStagesThatFollow) {
   options.stages.insert(FindStage("pair rejection", &options.stages),
                         {"look", [&](AdjustmentRun& run) {
                            if (offset_.id >= 0) {
-                             offset_at_rejection_m = run.network().net.Value(offset_);
+                             offset_at_rejection_m = run.network().net().Value(offset_);
                            }
                          }});
   const Adjustment adjustment = Adjust(sim_.flight, options);
   EXPECT_EQ(pairs_at_call_, sim_.flight.pairs->pairs.size());
   EXPECT_NEAR(offset_at_rejection_m, before_lidar ? kOffsetM : 0.0, 0.1);
-  EXPECT_NEAR(adjustment.network->net.Value(offset_), kOffsetM, 0.1);
+  EXPECT_NEAR(adjustment.network->net().Value(offset_), kOffsetM, 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Stages, OwnFactors, ::testing::Bool(), [](const auto& tested) {
@@ -289,9 +289,9 @@ TEST(NodeRate, HoldsOverTheWholeFlightWithoutPairs) {
   sim.flight.config.network.node_rate_hz = 5.0;
   const Adjustment dense = Adjust(sim.flight, options);
   EXPECT_EQ(dense.node_rate_hz, 5.0);
-  const std::vector<double>& t_s = dense.network->node_times();
+  const std::vector<double>& t_s = dense.network->trajectory().node_times();
   for (std::size_t k = 1; k < t_s.size(); ++k) EXPECT_LT(t_s[k] - t_s[k - 1], 0.2 + 1e-3);
-  EXPECT_GT(t_s.size(), 2 * usual.network->node_times().size());
+  EXPECT_GT(t_s.size(), 2 * usual.network->trajectory().node_times().size());
 }
 
 TEST(NodeRate, IsNowhereBelowOneHertz) {

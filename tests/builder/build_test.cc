@@ -45,7 +45,9 @@ Flight WithoutData() {
 }
 
 Eigen::Vector3d BoresightSigma(const FlightNetwork& network) {
-  return MarginalCovariance(network.net, network.boresight).diagonal().cwiseSqrt();
+  return MarginalCovariance(network.net(), network.calibration().boresight())
+      .diagonal()
+      .cwiseSqrt();
 }
 
 // The covariances of a plan equal those of the flight that is measured later. They do not depend on
@@ -55,7 +57,7 @@ TEST(Build, APlanForetellsTheSigmasOfTheFlight) {
   Flight plan = WithoutData();
   PlanMeasurements(design, {.imu_hz = 100.0, .gnss_hz = 2.0}, &plan);
   const FlightNetwork network = Build(plan, design);
-  EXPECT_EQ(network.pair_edges.size(), plan.pairs->pairs.size());
+  EXPECT_EQ(network.pairs().edges().size(), plan.pairs->pairs.size());
   const Eigen::Vector3d foretold = BoresightSigma(network),
                         found = Solved().Boresight().sigma_rad();
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(foretold[i] / found[i], 1.0, 0.02) << i;
@@ -68,20 +70,21 @@ TEST(Build, PlannedReadingsFitTheirPoses) {
   Flight plan = WithoutData();
   plan.pairs.reset();
   PlanMeasurements(design, {.imu_hz = 100.0, .gnss_hz = 2.0}, &plan);
-  const CostSummary summary = EvaluateCost(Build(plan, design).net);
+  const CostSummary summary = EvaluateCost(Build(plan, design).net());
   EXPECT_LT(2.0 * summary.cost, 0.01 * static_cast<double>(summary.residuals));
 }
 
 TEST(Build, ASolutionIsADesign) {
   const FlightNetwork& solved = Solved().network();
   NetworkDesign design;
-  for (std::size_t k = 0; k < solved.nodes.size(); ++k) design.poses.push_back(solved.NodePose(k));
-  design.node_t_s = solved.node_times();
-  design.calibration = solved.Calibration();
-  design.gyro_bias_radps = solved.GyroBias(design.node_t_s.front());
-  design.accel_bias_mps2 = solved.AccelBias(design.node_t_s.front());
+  for (std::size_t k = 0; k < solved.nodes().size(); ++k)
+    design.poses.push_back(solved.trajectory().NodePose(k));
+  design.node_t_s = solved.trajectory().node_times();
+  design.calibration = solved.calibration().State();
+  design.gyro_bias_radps = solved.trajectory().GyroBias(design.node_t_s.front());
+  design.accel_bias_mps2 = solved.trajectory().AccelBias(design.node_t_s.front());
   const FlightNetwork network = Build(Drone().flight, design);
-  EXPECT_EQ(network.net.num_factors(), solved.net.num_factors());
+  EXPECT_EQ(network.net().num_factors(), solved.net().num_factors());
   const Eigen::Vector3d sigma = BoresightSigma(network), found = Solved().Boresight().sigma_rad();
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(sigma[i] / found[i], 1.0, 1e-3) << i;
 }

@@ -2,6 +2,7 @@
 #include <ceres/solver.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
+#include <dn/builder/node_grid.h>
 #include <dn/ceres.h>
 #include <dn/solvers/eliminate.h>
 #include <dn/solvers/marginals.h>
@@ -31,7 +32,7 @@ FlightNetwork AtTruth(const SimulatedFlight& sim) {
   InitialStates initial;
   for (const double t_s : times) initial.nodes.push_back(sim.truth->Pose(t_s));
   FlightNetwork network(flight, times, initial);
-  network.net.SetValue(network.boresight, Exp(sim.boresight_rad));
+  network.net().SetValue(network.calibration().boresight(), Exp(sim.boresight_rad));
   network.AddPairs(flight.pairs->pairs);
   return network;
 }

@@ -1,4 +1,6 @@
 #include <dn/builder/flight_network.h>
+#include <dn/builder/gnss_factors.h>
+#include <dn/builder/node_grid.h>
 #include <dn/error.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/prior.h>
@@ -14,6 +16,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <type_traits>
+#include <utility>
 
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
@@ -52,26 +56,27 @@ std::map<std::string, long> GroupCounts(const Network& net) {
 
 TEST(FlightNetwork, BlocksHaveTheirNames) {
   const FlightNetwork network = AtTruth(Drone().flight);
-  const std::string last = std::to_string(network.nodes.size() - 1);
-  EXPECT_EQ(network.net.Find("q_mb/0"), network.nodes.front().q_mb.id);
-  EXPECT_EQ(network.net.Find("p_mb/" + last), network.nodes.back().p_mb.id);
-  EXPECT_EQ(network.net.Find("v_m/" + last), network.nodes.back().v_m.id);
-  EXPECT_EQ(network.net.Find("gyro_bias/0/0"), network.gyro_bias[0].blocks[0].id);
-  EXPECT_EQ(network.net.Find("accel_bias/1/2"), network.accel_bias[1].blocks[2].id);
+  const std::string last = std::to_string(network.nodes().size() - 1);
+  EXPECT_EQ(network.net().Find("q_mb/0"), network.nodes().front().q_mb.id);
+  EXPECT_EQ(network.net().Find("p_mb/" + last), network.nodes().back().p_mb.id);
+  EXPECT_EQ(network.net().Find("v_m/" + last), network.nodes().back().v_m.id);
+  EXPECT_EQ(network.net().Find("gyro_bias/0/0"), network.trajectory().gyro_bias()[0].blocks[0].id);
+  EXPECT_EQ(network.net().Find("accel_bias/1/2"),
+            network.trajectory().accel_bias()[1].blocks[2].id);
   for (const char* name : {"boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset"}) {
-    EXPECT_GE(network.net.Find(name), 0);
+    EXPECT_GE(network.net().Find(name), 0);
   }
-  EXPECT_THROW(network.net.Find("gyro_scale_factor"), InvalidInput);
+  EXPECT_THROW(network.net().Find("gyro_scale_factor"), InvalidInput);
 }
 
 TEST(FlightNetwork, GroupsHaveTheirCounts) {
   FlightNetwork network = AtTruth(Drone().flight);
   network.AddPairs(Drone().flight.pairs->pairs);
-  auto counts = GroupCounts(network.net);
-  const long nodes = static_cast<long>(network.nodes.size());
-  const long chain = static_cast<long>(network.gyro_bias[1].blocks.size());
+  auto counts = GroupCounts(network.net());
+  const long nodes = static_cast<long>(network.nodes().size());
+  const long chain = static_cast<long>(network.trajectory().gyro_bias()[1].blocks.size());
   EXPECT_EQ(counts["inertial"], nodes - 1);
-  EXPECT_EQ(counts["gnss position"], static_cast<long>(network.gnss_edges.size()));
+  EXPECT_EQ(counts["gnss position"], static_cast<long>(network.gnss().edges().size()));
   EXPECT_EQ(counts["gnss position"],
             static_cast<long>(GnssTimes(Drone().flight, {-1e300, 1e300}).size()) -
                 static_cast<long>(Drone().flight.gnss->epochs.back().t_s >
@@ -92,21 +97,26 @@ TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
   Flight flight = Drone().flight;
   flight.config.gnss->processes = {{{0.015, 0.0, 0.03}, 120.0}, {{0.0, 0.0, 0.09}, 120.0}};
   FlightNetwork network = AtTruth(flight);
-  ASSERT_EQ(network.gnss_error.size(), 2U);
-  EXPECT_EQ(network.gnss_error[1].blocks.size(), network.gnss_edges.size());
-  EXPECT_NEAR(6.0 * static_cast<double>(network.gnss_error[0].blocks.size()),
-              static_cast<double>(network.gnss_edges.size()), 6.0);
-  EXPECT_EQ(network.net.Find("gnss_error/1/2"), network.gnss_error[1].blocks[2].id);
-  auto counts = GroupCounts(network.net);
+  ASSERT_EQ(network.trajectory().gnss_error().size(), 2U);
+  EXPECT_EQ(network.trajectory().gnss_error()[1].blocks.size(), network.gnss().edges().size());
+  EXPECT_NEAR(6.0 * static_cast<double>(network.trajectory().gnss_error()[0].blocks.size()),
+              static_cast<double>(network.gnss().edges().size()), 6.0);
+  EXPECT_EQ(network.net().Find("gnss_error/1/2"),
+            network.trajectory().gnss_error()[1].blocks[2].id);
+  auto counts = GroupCounts(network.net());
   EXPECT_EQ(counts["prior"], 4 + 2) << "one per process";
-  EXPECT_EQ(counts["gnss error process"], static_cast<long>(network.gnss_error[0].blocks.size() +
-                                                            network.gnss_error[1].blocks.size()) -
-                                              2);
-  const FlightNetwork::GnssEdge& edge = network.gnss_edges[3];
+  EXPECT_EQ(counts["gnss error process"],
+            static_cast<long>(network.trajectory().gnss_error()[0].blocks.size() +
+                              network.trajectory().gnss_error()[1].blocks.size()) -
+                2);
+  const GnssEdge& edge = network.gnss().edges()[3];
   const double t_s = flight.gnss->epochs[edge.epoch].t_s;
-  network.net.SetValue(network.gnss_error[0].At(t_s), Eigen::Vector3d(2.0, 5.0, -1.0));
-  network.net.SetValue(network.gnss_error[1].At(t_s), Eigen::Vector3d(7.0, 5.0, 1.0));
-  EXPECT_LE((network.GnssErrorEnu(t_s) - Eigen::Vector3d(0.03, 0.0, 0.06)).norm(), 1e-15);
+  network.net().SetValue(network.trajectory().gnss_error()[0].At(t_s),
+                         Eigen::Vector3d(2.0, 5.0, -1.0));
+  network.net().SetValue(network.trajectory().gnss_error()[1].At(t_s),
+                         Eigen::Vector3d(7.0, 5.0, 1.0));
+  EXPECT_LE((network.trajectory().GnssErrorEnu(t_s) - Eigen::Vector3d(0.03, 0.0, 0.06)).norm(),
+            1e-15);
 }
 
 TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
@@ -115,15 +125,15 @@ TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   Flight flight = Drone().flight;
   flight.config.imu->model.gyro.processes.push_back({BiasProcess::Type::kRandomWalk, 1e-7, 0.0});
   const FlightNetwork network = AtTruth(flight, options);
-  ASSERT_EQ(network.gyro_bias.size(), 3U);
-  EXPECT_EQ(network.gyro_bias[0].blocks.size(), 1U) << "a constant is one block";
+  ASSERT_EQ(network.trajectory().gyro_bias().size(), 3U);
+  EXPECT_EQ(network.trajectory().gyro_bias()[0].blocks.size(), 1U) << "a constant is one block";
   const std::vector<double> longest{6.0, 10.0};
   for (const std::size_t process : {1U, 2U}) {
-    const ProcessChain& chain = network.gyro_bias[process];
-    EXPECT_EQ(chain.t_begin_s.front(), network.node_times().front());
+    const ProcessChain& chain = network.trajectory().gyro_bias()[process];
+    EXPECT_EQ(chain.t_begin_s.front(), network.trajectory().node_times().front());
     for (std::size_t k = 0; k < chain.blocks.size(); ++k) {
-      const double end_s =
-          k + 1 < chain.blocks.size() ? chain.t_begin_s[k + 1] : network.node_times().back();
+      const double end_s = k + 1 < chain.blocks.size() ? chain.t_begin_s[k + 1]
+                                                       : network.trajectory().node_times().back();
       EXPECT_GT(end_s, chain.t_begin_s[k]);
       EXPECT_LE(end_s - chain.t_begin_s[k], longest[process - 1] + 1e-6);
       EXPECT_DOUBLE_EQ(chain.t_mid_s[k], 0.5 * (chain.t_begin_s[k] + end_s));
@@ -143,10 +153,11 @@ TEST(FlightNetwork, StartingBiasGoesToTheFirstProcess) {
   initial.accel_bias_mps2 = {0.01, 0.02, -0.03};
   const FlightNetwork network(flight, times, initial);
   for (const double t_s : {times.front(), times.back()}) {
-    EXPECT_EQ(network.GyroBias(t_s), initial.gyro_bias_radps);
-    EXPECT_EQ(network.AccelBias(t_s), initial.accel_bias_mps2);
+    EXPECT_EQ(network.trajectory().GyroBias(t_s), initial.gyro_bias_radps);
+    EXPECT_EQ(network.trajectory().AccelBias(t_s), initial.accel_bias_mps2);
   }
-  EXPECT_EQ(network.net.Value(network.gyro_bias[0].blocks[0]), initial.gyro_bias_radps);
+  EXPECT_EQ(network.net().Value(network.trajectory().gyro_bias()[0].blocks[0]),
+            initial.gyro_bias_radps);
 }
 
 TEST(FlightNetwork, ResidualsAtTheTruthOfANoiseFreeFlightVanish) {
@@ -156,26 +167,27 @@ TEST(FlightNetwork, ResidualsAtTheTruthOfANoiseFreeFlightVanish) {
   const SimulatedFlight sim = Simulate(DroneScenario(), options);
   FlightNetwork network = AtTruth(sim.flight);
   network.AddPairs(sim.flight.pairs->pairs);
-  network.net.SetValue(network.boresight, Exp(sim.boresight_rad));
+  network.net().SetValue(network.calibration().boresight(), Exp(sim.boresight_rad));
   // Coning and sculling within a sample and the interpolation of the georeferencing are fractions
   // of a sigma.
   constexpr double kPerEdge = 1e-3;
-  EXPECT_LT(EvaluateCost(network.net).cost, kPerEdge * network.net.num_factors());
-  EXPECT_LT(network.PairDifference(0).norm(), 1e-3);
+  EXPECT_LT(EvaluateCost(network.net()).cost, kPerEdge * network.net().num_factors());
+  EXPECT_LT(network.pairs().Difference(0).norm(), 1e-3);
 }
 
 TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
   Flight flight = Drone().flight;
   flight.config.estimate = {{"gnss_lever_arm", {0.05}}, {"gyro_scale_factor", {500.0}}};
   const FlightNetwork network = AtTruth(flight);
-  const auto held = [&](BlockId id) { return network.net.block(id).held; };
-  EXPECT_TRUE(held(network.boresight.id));
-  EXPECT_FALSE(held(network.gnss_lever_arm.id));
-  EXPECT_TRUE(held(network.lidar_lever_arm.id));
-  EXPECT_TRUE(held(network.lidar_time_offset.id));
-  EXPECT_FALSE(held(network.net.Find("gyro_scale_factor")));
-  EXPECT_EQ(GroupCounts(network.net)["prior"], 4 + 2);
-  EXPECT_EQ(network.net.Value(network.gnss_lever_arm), flight.config.gnss->lever_arm_b_m);
+  const auto held = [&](BlockId id) { return network.net().block(id).held; };
+  EXPECT_TRUE(held(network.calibration().boresight().id));
+  EXPECT_FALSE(held(network.calibration().gnss_lever_arm().id));
+  EXPECT_TRUE(held(network.calibration().lidar_lever_arm().id));
+  EXPECT_TRUE(held(network.calibration().lidar_time_offset().id));
+  EXPECT_FALSE(held(network.net().Find("gyro_scale_factor")));
+  EXPECT_EQ(GroupCounts(network.net())["prior"], 4 + 2);
+  EXPECT_EQ(network.net().Value(network.calibration().gnss_lever_arm()),
+            flight.config.gnss->lever_arm_b_m);
 }
 
 TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
@@ -186,24 +198,25 @@ TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
                             {"gyro_scale_factor", {500.0}}};
   flight.config.lidar->boresight_sigma_rad = Eigen::Vector3d(0.01, 0.02, 0.03);
   FlightNetwork network = AtTruth(flight);
-  network.net.SetValue(network.lidar_lever_arm,
-                       flight.config.lidar->mounting.lever_arm_b_m + Eigen::Vector3d(0.02, 0, 0));
-  network.net.SetValue(network.lidar_time_offset, Eigen::Matrix<double, 1, 1>(0.003));
-  const Block<Vec<3>> gyro_scale{network.net.Find("gyro_scale_factor")};
-  network.net.SetValue(gyro_scale, Eigen::Vector3d(0.0, 2000e-6, 0.0));
-  network.net.SetValue(network.boresight, Exp(Eigen::Vector3d(0.0, 0.0, 0.15)));
+  network.net().SetValue(network.calibration().lidar_lever_arm(),
+                         flight.config.lidar->mounting.lever_arm_b_m + Eigen::Vector3d(0.02, 0, 0));
+  network.net().SetValue(network.calibration().lidar_time_offset(),
+                         Eigen::Matrix<double, 1, 1>(0.003));
+  const Block<Vec<3>> gyro_scale{network.net().Find("gyro_scale_factor")};
+  network.net().SetValue(gyro_scale, Eigen::Vector3d(0.0, 2000e-6, 0.0));
+  network.net().SetValue(network.calibration().boresight(), Exp(Eigen::Vector3d(0.0, 0.0, 0.15)));
   std::map<BlockId, double> norm;
-  for (FactorId id = 0; id < network.net.num_factors(); ++id) {
-    const FactorRecord& record = network.net.factor(id);
+  for (FactorId id = 0; id < network.net().num_factors(); ++id) {
+    const FactorRecord& record = network.net().factor(id);
     Eigen::VectorXd r;
     if (record.blocks.size() != 1) continue;
-    ASSERT_TRUE(network.net.EvaluateFactor(id, &r));
+    ASSERT_TRUE(network.net().EvaluateFactor(id, &r));
     norm[record.blocks[0]] = r.norm();
   }
-  EXPECT_NEAR(norm[network.lidar_lever_arm.id], 1.0, 1e-9);
-  EXPECT_NEAR(norm[network.lidar_time_offset.id], 3.0, 1e-9);
+  EXPECT_NEAR(norm[network.calibration().lidar_lever_arm().id], 1.0, 1e-9);
+  EXPECT_NEAR(norm[network.calibration().lidar_time_offset().id], 3.0, 1e-9);
   EXPECT_NEAR(norm[gyro_scale.id], 4.0, 1e-9);
-  EXPECT_NEAR(norm[network.boresight.id], 5.0, 1e-9);
+  EXPECT_NEAR(norm[network.calibration().boresight().id], 5.0, 1e-9);
 }
 
 TEST(FlightNetwork, NoInertialEdgeOverAGap) {
@@ -214,13 +227,33 @@ TEST(FlightNetwork, NoInertialEdgeOverAGap) {
   });
   flight.imu->gaps.push_back({t0_s, t0_s + 1.99});
   const FlightNetwork network = AtTruth(flight);
-  for (const auto& edge : network.inertial_edges) {
-    const double begin_s = network.node_times()[edge.node_i];
-    const double end_s = network.node_times()[edge.node_i + 1];
+  for (const auto& edge : network.inertial().edges()) {
+    const double begin_s = network.trajectory().node_times()[edge.node_i];
+    const double end_s = network.trajectory().node_times()[edge.node_i + 1];
     EXPECT_TRUE(end_s <= t0_s + 1e-6 || begin_s >= t0_s + 1.99 - 1e-6)
         << begin_s << " to " << end_s;
   }
-  EXPECT_LT(network.inertial_edges.size(), network.nodes.size() - 1);
+  ASSERT_LT(network.inertial().edges().size(), network.nodes().size() - 1);
+  const std::size_t at_gap = NodeNear(network.trajectory().node_times(), t0_s);
+  EXPECT_FALSE(network.inertial().FindEdge(at_gap).has_value());
+  EXPECT_EQ(network.inertial().FindEdge(at_gap - 1), at_gap - 1);
+  EXPECT_EQ(network.inertial().FindEdge(at_gap + 1), at_gap);
+}
+
+// The parts refer to each other; a network that moves must not leave them behind.
+TEST(FlightNetwork, PartsSurviveAMove) {
+  static_assert(std::is_nothrow_move_constructible_v<FlightNetwork>);
+  FlightNetwork first = AtTruth(Drone().flight);
+  first.AddPairs(Drone().flight.pairs->pairs);
+  FlightNetwork network = std::move(first);
+  const auto before = network.net().factor(network.pairs().edges()[0].id).factor;
+  const Eigen::Vector3d bias_radps(1e-4, 0.0, -2e-4);
+  network.net().SetValue(network.trajectory().gyro_bias()[0].blocks[0], bias_radps);
+  EXPECT_EQ(network.trajectory().GyroBias(network.nodes().front().t_s), bias_radps);
+  EXPECT_GT(network.inertial().BiasChange(), 0.0);
+  network.Repreintegrate();
+  EXPECT_EQ(network.inertial().BiasChange(), 0.0);
+  EXPECT_NE(network.net().factor(network.pairs().edges()[0].id).factor, before);
 }
 
 TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
@@ -228,16 +261,16 @@ TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
   LidarPair pair = Drone().flight.pairs->pairs.front();
   pair.t_j_s = pair.t_i_s;
   network.AddPairs({pair, Drone().flight.pairs->pairs.front()});
-  EXPECT_EQ(network.pairs_within_one_node, 1);
-  EXPECT_EQ(network.pair_edges.size(), 1U);
+  EXPECT_EQ(network.pairs().within_one_node(), 1);
+  EXPECT_EQ(network.pairs().edges().size(), 1U);
 }
 
 /// Returns the whitening matrix of a pair, which is the derivative of its residual with respect to
 /// the position of a node.
-Eigen::Matrix3d Whitening(const FlightNetwork& network, const FlightNetwork::PairEdge& edge) {
+Eigen::Matrix3d Whitening(const FlightNetwork& network, const PairEdge& edge) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
-  EXPECT_TRUE(network.net.EvaluateFactor(edge.id, &r, &J));
+  EXPECT_TRUE(network.net().EvaluateFactor(edge.id, &r, &J));
   return J[1];
 }
 
@@ -249,11 +282,12 @@ TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementBetweenTheirNodes) {
   const double white = Drone().flight.config.imu->model.gyro.white;
   const double sigma_p_m = Drone().flight.config.lidar->sigma_p_m;
   constexpr double kTolerance = 0.1;  // allows for the lever arm and the white accelerometer noise
-  for (const auto& edge : network.pair_edges) {
+  for (const auto& edge : network.pairs().edges()) {
     ASSERT_TRUE(edge.bridge_i && edge.bridge_j);
     const auto variance = [&](std::size_t k, double t_s, const Eigen::Vector3d& u) {
-      const double D = network.node_times()[k + 1] - network.node_times()[k];
-      const double t = t_s - network.node_times()[k];
+      const double D =
+          network.trajectory().node_times()[k + 1] - network.trajectory().node_times()[k];
+      const double t = t_s - network.trajectory().node_times()[k];
       return 2.0 * white * white * t * (D - t) / D * u.squaredNorm();
     };
     const Eigen::Matrix3d W = Whitening(network, edge);
@@ -269,7 +303,7 @@ TEST(FlightNetwork, NoBridgeWhereTheNoiseDoesNotCount) {
   flight.config.imu->model.gyro.white *= 1e-3;
   FlightNetwork network = AtTruth(flight);
   network.AddPairs(flight.pairs->pairs);
-  for (const auto& edge : network.pair_edges) EXPECT_FALSE(edge.bridge_i || edge.bridge_j);
+  for (const auto& edge : network.pairs().edges()) EXPECT_FALSE(edge.bridge_i || edge.bridge_j);
 }
 
 /// Returns pairs whose ends lie in node intervals without other pair ends.
@@ -310,15 +344,15 @@ TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
     InitialStates initial;
     for (const double t_s : node_t_s) initial.nodes.push_back(Drone().truth->Pose(t_s));
     FlightNetwork network(flight, node_t_s, initial);
-    network.net.SetValue(network.boresight, Exp(Drone().boresight_rad));
+    network.net().SetValue(network.calibration().boresight(), Exp(Drone().boresight_rad));
     network.AddPairs(pairs);
     Solved solved;
     for (int k = 0; k < 3; ++k) {
-      solved.cost = Solve(network.net).final_cost;
+      solved.cost = Solve(network.net()).final_cost;
       network.Repreintegrate();
     }
-    solved.boresight = network.net.Value(network.boresight);
-    solved.covariance = Marginals(network.net).Covariance(network.boresight);
+    solved.boresight = network.net().Value(network.calibration().boresight());
+    solved.covariance = Marginals(network.net()).Covariance(network.calibration().boresight());
     return solved;
   };
   const Solved bridged = solve(coarse);
@@ -335,7 +369,7 @@ TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
 /// The plain factor of a pair with an additional unknown, a shift of its second point.
 class ShiftedPair final : public DynamicAutoFactor<ShiftedPair>, public PointPairFactor {
  public:
-  ShiftedPair(const LocalFrame& frame, const PairParts& parts)
+  ShiftedPair(const LocalFrame& frame, const PreparedPair& parts)
       : DynamicAutoFactor(
             3, {Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind, Rotation::kKind, Vec<3>::kKind,
                 Vec<3>::kKind, LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind, Vec<3>::kKind}),
@@ -362,20 +396,20 @@ class ShiftedPair final : public DynamicAutoFactor<ShiftedPair>, public PointPai
                                T const* const* x) const {
     using Vec3 = Eigen::Matrix<T, 3, 1>;
     using Quaternion = Eigen::Quaternion<T>;
-    const Vec3 u_b = (parts_.T_bs_nominal * end.u_s).cast<T>();
+    const Vec3 u_b = (parts_.R_bs_nominal * end.u_s).cast<T>();
     return point.At<T>(Quaternion(node[0]), Vec3(node[1]), Vec3(node[2]), Quaternion(x[6]),
                        Vec3(x[7]), u_b, x[8][0] - parts_.dt_nominal_s);
   }
 
   LidarPoint i_, j_;
-  PairParts parts_;
+  PreparedPair parts_;
 };
 
 FlightNetworkOptions WithShift(Block<Vec<3>>* shift) {
   FlightNetworkOptions options;
   options.pair_model = [shift](FlightNetwork& network) {
-    *shift = network.net.AddVector<3>("shift", Eigen::Vector3d::Zero());
-    return PairModel{{shift->id}, [](const Flight& flight, const PairParts& parts) {
+    *shift = network.net().AddVector<3>("shift", Eigen::Vector3d::Zero());
+    return PairModel{{shift->id}, [](const Flight& flight, const PreparedPair& parts) {
                        return std::make_shared<ShiftedPair>(flight.frame, parts);
                      }};
   };
@@ -386,23 +420,23 @@ TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
   Flight flight = Drone().flight;
   Block<Vec<3>> shift;
   FlightNetwork network = AtTruth(flight, WithShift(&shift));
-  network.net.SetValue(network.boresight, Exp(Drone().boresight_rad));
+  network.net().SetValue(network.calibration().boresight(), Exp(Drone().boresight_rad));
   network.AddPairs(flight.pairs->pairs);
-  ASSERT_EQ(network.pair_edges.size(), 300U);
+  ASSERT_EQ(network.pairs().edges().size(), 300U);
   for (int k = 0; k < 2; ++k) {
-    EXPECT_TRUE(Solve(network.net).converged);
-    const auto before = network.net.factor(network.pair_edges[0].id).factor;
+    EXPECT_TRUE(Solve(network.net()).converged);
+    const auto before = network.net().factor(network.pairs().edges()[0].id).factor;
     network.Repreintegrate();
-    const auto after = network.net.factor(network.pair_edges[0].id).factor;
+    const auto after = network.net().factor(network.pairs().edges()[0].id).factor;
     EXPECT_NE(before, after);
     EXPECT_NE(dynamic_cast<const ShiftedPair*>(after.get()), nullptr);
   }
-  const Marginals marginals(network.net);
+  const Marginals marginals(network.net());
   const Eigen::Vector3d sigma = marginals.Covariance(shift).diagonal().cwiseSqrt();
-  const Eigen::Vector3d in_sigmas = network.net.Value(shift).cwiseQuotient(sigma);
+  const Eigen::Vector3d in_sigmas = network.net().Value(shift).cwiseQuotient(sigma);
   EXPECT_LE(in_sigmas.cwiseAbs().maxCoeff(), 4.0);
   EXPECT_LE(sigma.maxCoeff(), 0.1);
-  EXPECT_LE(network.PairDifference(0).norm(), 0.5);
+  EXPECT_LE(network.pairs().Difference(0).norm(), 0.5);
 }
 
 // The sensitivity of a pair whose factor does not provide it equals that of the library's factor.
@@ -410,19 +444,19 @@ TEST(FlightNetwork, OwnFactorsOfPairsNeedNotSayWhatEffectsDo) {
   Block<Vec<3>> shift;
   FlightNetwork network = AtTruth(Drone().flight, WithShift(&shift));
   network.AddPairs(Drone().flight.pairs->pairs);
-  const FactorId id = network.pair_edges[7].id;
+  const FactorId id = network.pairs().edges()[7].id;
   std::vector<const double*> x;
-  for (const BlockId block : network.net.factor(id).blocks) {
-    x.push_back(network.net.block(block).value.get());
+  for (const BlockId block : network.net().factor(id).blocks) {
+    x.push_back(network.net().block(block).value.get());
   }
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> J_lever_arm;
   Eigen::Vector3d r, J_delay;
   std::vector<double*> J(x.size(), nullptr);
   J[7] = J_lever_arm.data();
   J[8] = J_delay.data();
-  ASSERT_TRUE(network.net.EvaluateStored(id, x.data(), r.data(), J.data()));
-  const PointSensitivity i = network.EndSensitivity({7, PointPairFactor::End::kI});
-  const PointSensitivity j = network.EndSensitivity({7, PointPairFactor::End::kJ});
+  ASSERT_TRUE(network.net().EvaluateStored(id, x.data(), r.data(), J.data()));
+  const PointSensitivity i = network.pairs().EndSensitivity({7, PointPairFactor::End::kI});
+  const PointSensitivity j = network.pairs().EndSensitivity({7, PointPairFactor::End::kJ});
   EXPECT_LT((i.lever_arm + j.lever_arm - J_lever_arm).norm(), 1e-9 * i.lever_arm.norm());
   EXPECT_LT((i.delay + j.delay - J_delay).norm(), 1e-9 * i.delay.norm());
 }
@@ -430,7 +464,7 @@ TEST(FlightNetwork, OwnFactorsOfPairsNeedNotSayWhatEffectsDo) {
 TEST(FlightNetwork, OwnFactorsOfPairsMustSayTheirPoints) {
   FlightNetworkOptions options;
   options.pair_model = [](FlightNetwork&) {
-    return PairModel{{}, [](const Flight&, const PairParts&) {
+    return PairModel{{}, [](const Flight&, const PreparedPair&) {
                        return std::make_shared<PriorVector<3>>(Eigen::Vector3d::Zero(),
                                                                Noise<3>::Sigma(1.0));
                      }};
@@ -452,14 +486,14 @@ TEST(FlightNetwork, OwnFactorsOfPairsExcludeEstimatedEffectsOnPairs) {
 TEST(FlightNetwork, AReplacedFactorStays) {
   FlightNetwork network = AtTruth(Drone().flight);
   network.AddPairs(Drone().flight.pairs->pairs);
-  const FactorId replaced = network.inertial_edges[3].id;
+  const FactorId replaced = network.inertial().edges()[3].id;
   const auto own = std::make_shared<PreintegratedInertial>(
-      dynamic_cast<const PreintegratedInertial&>(*network.net.factor(replaced).factor));
-  network.net.ReplaceFactor(replaced, own);
-  const auto other = network.net.factor(network.inertial_edges[4].id).factor;
+      dynamic_cast<const PreintegratedInertial&>(*network.net().factor(replaced).factor));
+  network.net().ReplaceFactor(replaced, own);
+  const auto other = network.net().factor(network.inertial().edges()[4].id).factor;
   network.Repreintegrate();
-  EXPECT_EQ(network.net.factor(replaced).factor, own);
-  EXPECT_NE(network.net.factor(network.inertial_edges[4].id).factor, other);
+  EXPECT_EQ(network.net().factor(replaced).factor, own);
+  EXPECT_NE(network.net().factor(network.inertial().edges()[4].id).factor, other);
 }
 
 TEST(FlightNetwork, StatesBetweenNodesFollowTheMotion) {
@@ -468,10 +502,10 @@ TEST(FlightNetwork, StatesBetweenNodesFollowTheMotion) {
   options.seed = 7;
   const SimulatedFlight sim = Simulate(DroneScenario(), options);
   const FlightNetwork network = AtTruth(sim.flight);
-  const std::vector<double>& times = network.node_times();
+  const std::vector<double>& times = network.trajectory().node_times();
   for (const double t_s : {times.front(), times[40] + 0.137, times[90] + 0.251, times.back()}) {
     const FlightNetwork::StateBetween at = network.StateAt(t_s);
-    const MapPose node = network.NodePose(at.node);
+    const MapPose node = network.trajectory().NodePose(at.node);
     const KinematicState<double> state = at.state.At<double>(node.q_mb, node.p_mb, node.v_m);
     const MapPose truth = sim.truth->Pose(t_s);
     EXPECT_LE((state.p_mb - truth.p_mb).norm(), 1e-5) << t_s;
@@ -484,8 +518,8 @@ TEST(FlightNetwork, StatesBetweenNodesFollowTheMotion) {
 
 TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
   FlightNetwork network = AtTruth(Drone().flight);
-  const double t_s = network.node_times()[40] + 0.7;
-  const auto shift = network.net.AddVector<3>("shift", Eigen::Vector3d(1.0, 2.0, 3.0));
+  const double t_s = network.trajectory().node_times()[40] + 0.7;
+  const auto shift = network.net().AddVector<3>("shift", Eigen::Vector3d(1.0, 2.0, 3.0));
   const auto whole_state = [](const auto& state, const auto& s) {
     using T = typename std::decay_t<decltype(state.v_m)>::Scalar;
     Eigen::Matrix<T, 9, 1> f;
@@ -493,18 +527,20 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
     return f;
   };
   const FactorId id = network.AddAt(t_s, whole_state, Noise<9>::Sigma(0.5), shift);
-  network.net.SetValue(network.gyro_bias.back().At(t_s), Eigen::Vector3d(2e-4, -1e-4, 1e-4));
-  network.net.SetValue(network.accel_bias.back().At(t_s), Eigen::Vector3d(0.02, 0.03, -0.05));
+  network.net().SetValue(network.trajectory().gyro_bias().back().At(t_s),
+                         Eigen::Vector3d(2e-4, -1e-4, 1e-4));
+  network.net().SetValue(network.trajectory().accel_bias().back().At(t_s),
+                         Eigen::Vector3d(0.02, 0.03, -0.05));
 
   Eigen::VectorXd r;
-  ASSERT_TRUE(network.net.EvaluateFactor(id, &r));
+  ASSERT_TRUE(network.net().EvaluateFactor(id, &r));
   const FlightNetwork::StateBetween at = network.StateAt(t_s);  // integrated again
-  const MapPose node = network.NodePose(at.node);
+  const MapPose node = network.trajectory().NodePose(at.node);
   const KinematicState<double> state = at.state.At<double>(node.q_mb, node.p_mb, node.v_m);
   EXPECT_LE((0.5 * r.head<3>() - Log(state.q_mb)).norm(), 1e-8);
   EXPECT_LE((0.5 * r.segment<3>(3) - (state.p_mb - Eigen::Vector3d(1, 2, 3))).norm(), 1e-7);
   EXPECT_LE((0.5 * r.tail<3>() - state.v_m).norm(), 1e-6);
-  EXPECT_EQ(network.net.factor(id).blocks.back(), shift.id);
+  EXPECT_EQ(network.net().factor(id).blocks.back(), shift.id);
   testing::ExpectInvalid(
       [&] {
         network.AddAt(
@@ -516,15 +552,15 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
 TEST(FlightNetwork, DerivativesFromMeansKeepTheIncrementsInUse) {
   constexpr double kUsualScale = 3e-4;
   const FlightNetwork network = AtTruth(Drone().flight);
-  CalibrationState with_scale = network.Calibration();
+  CalibrationState with_scale = network.calibration().State();
   with_scale.Insert({"gyro_scale_factor",
                      FindEstimable("gyro_scale_factor")->make({network.flight(), {}}),
                      Eigen::Vector3d::Zero()});
   const ImuData means = AverageSamples(*network.flight().imu, 0.02);
   ASSERT_LE(means.samples.size(), network.flight().imu->samples.size() / 2);
-  for (const FlightNetwork::InertialEdge& edge : network.inertial_edges) {
-    const Preintegrated whole = network.InertialFactor(edge, with_scale)->increments();
-    const auto factor = network.InertialFactorByMeans(edge, with_scale, means);
+  for (const InertialEdge& edge : network.inertial().edges()) {
+    const Preintegrated whole = network.inertial().Factor(edge, with_scale)->increments();
+    const auto factor = network.inertial().FactorByMeans(edge, with_scale, means);
     const Preintegrated& by_means = factor->increments();
     EXPECT_EQ(by_means.delta_q.coeffs(), whole.delta_q.coeffs());
     EXPECT_EQ(by_means.delta_p, whole.delta_p);
@@ -534,7 +570,7 @@ TEST(FlightNetwork, DerivativesFromMeansKeepTheIncrementsInUse) {
     const auto in_sigmas = whole.covariance.llt().matrixL().solve(difference).eval();
     EXPECT_LT(kUsualScale * in_sigmas.norm(), 2e-3);
     EXPECT_EQ(factor->block_kinds().size(),
-              network.InertialFactor(edge, with_scale)->block_kinds().size());
+              network.inertial().Factor(edge, with_scale)->block_kinds().size());
   }
 }
 
@@ -551,14 +587,15 @@ TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
 TEST(FlightNetwork, RepreintegratingAConvergedNetworkChangesNothing) {
   Calibration calibration(Drone().flight);
   FlightNetwork& network = *calibration.adjustment.network;
-  const double cost = EvaluateCost(network.net).cost;
-  const Eigen::Quaterniond before = network.net.Value(network.boresight);
+  const double cost = EvaluateCost(network.net()).cost;
+  const Eigen::Quaterniond before = network.net().Value(network.calibration().boresight());
   network.Repreintegrate();
-  EXPECT_EQ(network.BiasChange(), 0.0) << "no bias has moved in between";
-  EXPECT_NEAR(EvaluateCost(network.net).cost, cost, 1e-6 * cost);
-  const SolveReport report = Solve(network.net);
+  EXPECT_EQ(network.inertial().BiasChange(), 0.0) << "no bias has moved in between";
+  EXPECT_NEAR(EvaluateCost(network.net()).cost, cost, 1e-6 * cost);
+  const SolveReport report = Solve(network.net());
   EXPECT_TRUE(report.converged);
-  const Eigen::Vector3d moved = Log(network.net.Value(network.boresight) * before.conjugate());
+  const Eigen::Vector3d moved =
+      Log(network.net().Value(network.calibration().boresight()) * before.conjugate());
   constexpr double kOfSigma = 1e-3;  // the last solution has a tolerance of 1e-10 of the cost
   EXPECT_LT(moved.cwiseQuotient(calibration.boresight.sigma_rad()).norm(), kOfSigma);
 }
@@ -622,17 +659,17 @@ TEST(FlightNetwork, OwnBlockAndFactorAreSolvedWithTheRest) {
   Block<Vec<1>> offset;
   AdjustOptions options;
   options.customise = [&](FlightNetwork& network) {
-    offset = network.net.AddVector<1>("altimeter_offset", Eigen::Matrix<double, 1, 1>(0.0));
+    offset = network.net().AddVector<1>("altimeter_offset", Eigen::Matrix<double, 1, 1>(0.0));
     for (std::size_t k = 100; k < 200; ++k) {
       Altimeter f;
-      f.reading_m = Drone().truth->Pose(network.nodes[k].t_s).p_mb.z() - kOffsetM;
+      f.reading_m = Drone().truth->Pose(network.nodes()[k].t_s).p_mb.z() - kOffsetM;
       f.sigma_m = kSigmaM;
-      network.net.Tag(network.net.Add(f, network.nodes[k].p_mb, offset), "altimeter",
-                      network.nodes[k].t_s);
+      network.net().Tag(network.net().Add(f, network.nodes()[k].p_mb, offset), "altimeter",
+                        network.nodes()[k].t_s);
     }
   };
   const Calibration calibration(Drone().flight, options);
-  const Network& net = calibration.adjustment.network->net;
+  const Network& net = calibration.adjustment.network->net();
   const double sigma_m =
       std::sqrt(calibration.marginals.Covariance(net.Find("altimeter_offset"))(0, 0));
   EXPECT_GT(sigma_m, 0.1 * kSigmaM);
@@ -644,13 +681,13 @@ TEST(FlightNetwork, OwnBlockAndFactorAreSolvedWithTheRest) {
 TEST(FlightNetwork, AnOwnUnknownWithoutInformationIsNamed) {
   AdjustOptions options;
   options.customise = [](FlightNetwork& network) {
-    const auto a = network.net.AddVector<1>("my_first", Eigen::Matrix<double, 1, 1>(1.0));
-    const auto b = network.net.AddVector<1>("my_second", Eigen::Matrix<double, 1, 1>(0.0));
-    network.net.Add(Tie(), a, b);
+    const auto a = network.net().AddVector<1>("my_first", Eigen::Matrix<double, 1, 1>(1.0));
+    const auto b = network.net().AddVector<1>("my_second", Eigen::Matrix<double, 1, 1>(0.0));
+    network.net().Add(Tie(), a, b);
   };
   const Adjustment adjustment = Adjust(Drone().flight, options);
   try {
-    const Marginals marginals(adjustment.network->net);
+    const Marginals marginals(adjustment.network->net());
     FAIL() << "no RankDeficient";
   } catch (const RankDeficient& e) {
     EXPECT_THAT(e.what(), HasSubstr("my_first"));

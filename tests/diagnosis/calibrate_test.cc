@@ -48,11 +48,11 @@ SimulatedFlight FlyWith(const EffectCase& effect) {
 internal::Library StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
   constexpr std::size_t kPositionBlock = 1;
   EffectModel columns;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const MapGnssEpoch& epoch = network.flight().gnss->epochs[edge.epoch];
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    if (!times.During(epoch.t_s) || !network.net.EvaluateFactor(edge.position, &r, &J)) continue;
+    if (!times.During(epoch.t_s) || !network.net().EvaluateFactor(edge.position, &r, &J)) continue;
     const Eigen::Matrix3d R_m_enu = epoch.R_m_enu;
     columns.push_back({edge.position, Eigen::MatrixXd(J[kPositionBlock] * R_m_enu)});
   }
@@ -78,8 +78,8 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
                                         : internal::MakeNetworkHypotheses(network);
   for (const internal::Hypothesis& hypothesis : library.hypotheses) {
     if (hypothesis.name != effect.unknown) continue;
-    const JointScore score =
-        ScoreEffects(without.marginals, {library.blocks[hypothesis.block]}, {network.boresight.id});
+    const JointScore score = ScoreEffects(without.marginals, {library.blocks[hypothesis.block]},
+                                          {network.calibration().boresight().id});
     const ScoreTest test = TestJointly(score, score.Components(0));
     if (test.statistic <= most) continue;
     most = test.statistic;
@@ -205,10 +205,10 @@ void ExpectPlausible(double sum2, std::size_t n, const char* what) {
 
 TEST_P(Results, TrajectorySigmasMatchTheErrors) {
   double position = 0.0, velocity = 0.0, level = 0.0, heading = 0.0;
-  ASSERT_EQ(trajectory_.sigma.size(), network().nodes.size());
-  for (std::size_t k = 0; k < network().nodes.size(); ++k) {
+  ASSERT_EQ(trajectory_.sigma.size(), network().nodes().size());
+  for (std::size_t k = 0; k < network().nodes().size(); ++k) {
     const TrajectorySigma& sigma = trajectory_.sigma[k];
-    const MapPose pose = network().NodePose(k);
+    const MapPose pose = network().trajectory().NodePose(k);
     const MapPose truth = sim_.truth->Pose(pose.t_s);
     const Eigen::Matrix3d R_enu_m = sim_.frame.R_m_enu(truth.p_mb).transpose();
     position +=
@@ -222,7 +222,7 @@ TEST_P(Results, TrajectorySigmasMatchTheErrors) {
     level += rph.head<2>().squaredNorm();
     heading += rph.z() * rph.z();
   }
-  const std::size_t n = network().nodes.size();
+  const std::size_t n = network().nodes().size();
   ExpectPlausible(position, 3 * n, "position");
   ExpectPlausible(velocity, 3 * n, "velocity");
   ExpectPlausible(level, 2 * n, "roll and pitch");
@@ -279,8 +279,8 @@ TEST_P(Results, DenseTrajectoryPassesThroughTheNodesAndStaysNearTheTruth) {
     const MapPose pose = ToMapPose(point, sim_.frame);
     ASSERT_GT(point.t_s, previous_s);
     previous_s = point.t_s;
-    if (node < network().nodes.size() && point.t_s == network().nodes[node].t_s) {
-      const MapPose at_node = network().NodePose(node);
+    if (node < network().nodes().size() && point.t_s == network().nodes()[node].t_s) {
+      const MapPose at_node = network().trajectory().NodePose(node);
       EXPECT_LT((pose.p_mb - at_node.p_mb).norm(), 1e-6);
       EXPECT_LT(pose.q_mb.angularDistance(at_node.q_mb), 1e-9);
       ++node;
@@ -292,8 +292,8 @@ TEST_P(Results, DenseTrajectoryPassesThroughTheNodesAndStaysNearTheTruth) {
     ASSERT_LT((pose.v_m - truth.v_m).norm(), 5.0 * sigma.velocity_enu_mps.norm()) << point.t_s;
     ASSERT_LT(pose.q_mb.angularDistance(truth.q_mb), 5.0 * sigma.rph_rad.norm()) << point.t_s;
   }
-  EXPECT_EQ(node, network().nodes.size());
-  EXPECT_GT(dense.size(), 5 * network().nodes.size() / 2);
+  EXPECT_EQ(node, network().nodes().size());
+  EXPECT_GT(dense.size(), 5 * network().nodes().size() / 2);
   EXPECT_EQ(FormatSbet(DenseTrajectory(network(), kSpacingS, 3)), FormatSbet(dense));
 }
 
@@ -321,14 +321,14 @@ TEST_P(Results, FilesContainTheEstimates) {
   EXPECT_EQ(json["schema"], "dn.result/1");
   EXPECT_EQ(json["boresight"]["angles_deg"][2], calibration_.boresight.angles_rad[2] * kDegPerRad);
   EXPECT_TRUE(json["boresight"]["sigma_apriori_deg"].is_null());
-  EXPECT_EQ(json["adjustment"]["nodes"], network().nodes.size());
+  EXPECT_EQ(json["adjustment"]["nodes"], network().nodes().size());
   EXPECT_EQ(json["timing_s"]["total"], 0.6);
   const std::string sigmas = FormatTrajectorySigma(trajectory_.sigma);
   EXPECT_EQ(std::count(sigmas.begin(), sigmas.end(), '\n'),
-            static_cast<long>(network().nodes.size()) + 1);
+            static_cast<long>(network().nodes().size()) + 1);
   const Json errors = ReferenceErrorsJson(network());
   EXPECT_LT(errors["position_enu_rmse_m"][0].get<double>(), 0.05);
-  EXPECT_GT(errors["nodes"].get<std::size_t>(), network().nodes.size() / 2);
+  EXPECT_GT(errors["nodes"].get<std::size_t>(), network().nodes().size() / 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Calibrate, Results, ::testing::Bool(),
@@ -338,7 +338,7 @@ TEST(Observability, ConstantBoresightHasNoCovariance) {
   SimulatedFlight sim = Fly(DroneScenario(), 3);
   sim.flight.config.estimate = {{"gnss_lever_arm", {}}};
   const Adjustment adjustment = Adjust(sim.flight);
-  const Marginals marginals(adjustment.network->net);
+  const Marginals marginals(adjustment.network->net());
   EXPECT_THROW(ExtractBoresight(adjustment, marginals), RankDeficient);
 }
 

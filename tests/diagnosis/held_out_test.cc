@@ -56,18 +56,18 @@ TEST(Folds, EveryPairLiesInOneTile) {
     ++tiles;
     in_tiles += fold.pairs_t_s.size();
     seen.insert(fold.pairs_t_s.begin(), fold.pairs_t_s.end());
-    const double even = static_cast<double>(network.pair_edges.size()) / 6.0;
+    const double even = static_cast<double>(network.pairs().edges().size()) / 6.0;
     EXPECT_NEAR(static_cast<double>(fold.pairs_t_s.size()), even, 1.0);
   }
   EXPECT_EQ(tiles, 6u);
-  EXPECT_EQ(in_tiles, network.pair_edges.size());
-  EXPECT_EQ(seen.size(), network.pair_edges.size());
+  EXPECT_EQ(in_tiles, network.pairs().edges().size());
+  EXPECT_EQ(seen.size(), network.pairs().edges().size());
 }
 
 TEST(Folds, OutagesLastHalfAMinute) {
   const Flight flight = Drone();
   const testing::Calibration adjusted(flight);
-  const double begin_s = adjusted.solution.network().node_times().front();
+  const double begin_s = adjusted.solution.network().trajectory().node_times().front();
   int outages = 0;
   for (const Fold& fold : MakeFolds(adjusted.solution.network(), 3)) {
     if (fold.gnss_epochs.empty()) continue;
@@ -88,16 +88,16 @@ TEST(FoldDensity, OfOneFactorIsThatOfItsPrediction) {
   const Flight flight = Drone();
   const testing::Calibration adjusted(flight);
   const FlightNetwork& network = adjusted.solution.network();
-  const FoldDensity density(network.net, {});
+  const FoldDensity density(network.net(), {});
   constexpr double kRelative = 1e-6;  // a small difference of two large sums
   for (const std::size_t k : {0u, 40u, 200u}) {
-    const FlightNetwork::GnssEdge& edge = network.gnss_edges[k];
+    const GnssEdge& edge = network.gnss().edges()[k];
     const Prediction prediction = PredictFactor(adjusted.marginals, edge.position);
     const Eigen::Vector3d sigma_m(0.015, 0.015, 0.03);
     const double expected = -0.5 * prediction.statistic -
                             0.5 * std::log(prediction.covariance.determinant()) -
                             sigma_m.array().log().sum() - 1.5 * std::log(2.0 * std::numbers::pi);
-    const auto found = density.LogDensity({{edge.position, network.nodes[edge.node].p_mb.id}});
+    const auto found = density.LogDensity({{edge.position, network.nodes()[edge.node].p_mb.id}});
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR((*found)[0], expected, kRelative * std::abs(expected));
   }

@@ -61,7 +61,7 @@ TEST(Signature, IsWhatATestSeesInNoise) {
     options.seed = seed;
     const Flight flight = Simulate(AircraftScenario(effect), options).flight;
     const Adjustment adjustment = Adjust(flight);
-    const Marginals marginals(adjustment.network->net);
+    const Marginals marginals(adjustment.network->net());
     const internal::Screen screen(*adjustment.network, marginals, {{"lidar_range_offset"}, {}, 1});
     mean += screen.Effects().front().statistic / kSeeds;
   }

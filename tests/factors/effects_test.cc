@@ -77,6 +77,7 @@ class PairOfEffects : public ::testing::Test {
 
   LidarEnd End(double node_s, double t_s, const Vector3d& u_s) const {
     LidarEnd end;
+    end.tag_s = t_s + 0.002;
     end.partial = Preintegrate(
         imu_, node_s, t_s,
         {Vector3d::Zero(), Vector3d::Zero(), {{scale_, Vector3d(1e-3, 0.0, -2e-3)}}}, kNoise);
@@ -84,16 +85,14 @@ class PairOfEffects : public ::testing::Test {
     end.p_nominal_m = motion_.Pose(node_s).p_mb;
     return end;
   }
+  static PreparedPair Pair(const LidarEnd& i, const LidarEnd& j) {
+    return {i, j, Mounting(), 0.002, Noise<3>::Sigma(1.0)};
+  }
   PointToPointBetweenNodes Factor() const {
     return {motion_.frame,
-            End(1.0, 1.31, {950.0, 10.0, 300.0}),
-            End(4.0, 4.22, {920.0, 0.0, -250.0}),
-            1.312,
-            4.222,
-            Mounting(),
+            Pair(End(1.0, 1.31, {950.0, 10.0, 300.0}), End(4.0, 4.22, {920.0, 0.0, -250.0})),
             {std::make_shared<AllOfLidar>(), std::make_shared<AllOfLidar>()},
-            {Eigen::Matrix<double, 3, 2>::Ones()},
-            Noise<3>::Sigma(1.0)};
+            {Eigen::Matrix<double, 3, 2>::Ones()}};
   }
   std::vector<VectorXd> Blocks(const Vector3d& lidar, const Vector3d& scale) const {
     const MapPose i = motion_.Pose(1.0), j = motion_.Pose(4.0);
@@ -116,7 +115,7 @@ class PairOfEffects : public ::testing::Test {
 // A factor without effects provides the derivatives of its points with respect to any effect.
 TEST_F(PairOfEffects, AreForetoldByTheFactorWithoutThem) {
   const LidarEnd i = End(1.0, 1.31, {950.0, 10.0, 300.0}), j = End(4.0, 4.22, {920.0, 0.0, -250.0});
-  const PointToPoint plain(motion_.frame, i, j, Mounting(), 0.002, Noise<3>::Sigma(1.0));
+  const PointToPoint plain(motion_.frame, Pair(i, j));
   const std::vector<VectorXd> blocks = Blocks(Vector3d::Zero(), Vector3d(1e-3, 0.0, -2e-3));
   std::vector<const double*> x;
   for (const VectorXd& block : blocks) x.push_back(block.data());
@@ -126,14 +125,14 @@ TEST_F(PairOfEffects, AreForetoldByTheFactorWithoutThem) {
   Eigen::Matrix3Xd foretold = Eigen::Matrix3Xd::Zero(3, 11);
   const LidarEffects lidar{std::make_shared<AllOfLidar>(), std::make_shared<AllOfLidar>()};
   const std::vector<GravitationBasis> attraction{Eigen::Matrix<double, 3, 2>::Ones()};
-  const auto add = [&](PointPairFactor::End end, const LidarEnd& from, double tag_s) {
-    const LidarReading reading = Corrected(lidar, x.data() + 9, tag_s, from.u_s);
+  const auto add = [&](PointPairFactor::End end, const LidarEnd& from) {
+    const LidarReading reading = Corrected(lidar, x.data() + 9, from.tag_s, from.u_s);
     AddEffectJacobians(*plain.SensitivityAt(end, x.data()),
                        {reading, from.partial.J_effects, nullptr, attraction}, Mounting(),
                        foretold);
   };
-  add(PointPairFactor::End::kI, i, 1.312);
-  add(PointPairFactor::End::kJ, j, 4.222);
+  add(PointPairFactor::End::kI, i);
+  add(PointPairFactor::End::kJ, j);
 
   const PointToPointBetweenNodes factor = Factor();
   std::vector<double> J_data(3 * 11);
@@ -172,9 +171,8 @@ TEST_F(PairOfEffects, LeavesThePlainPairWithoutValues) {
   const PointToPointBetweenNodes factor = Factor();
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), Vector3d(1e-3, 0.0, -2e-3));
   x[12].setZero();
-  const PointToPoint plain(motion_.frame, End(1.0, 1.31, {950.0, 10.0, 300.0}),
-                           End(4.0, 4.22, {920.0, 0.0, -250.0}), Mounting(), 2e-3,
-                           Noise<3>::Sigma(1.0));
+  const PointToPoint plain(motion_.frame, Pair(End(1.0, 1.31, {950.0, 10.0, 300.0}),
+                                               End(4.0, 4.22, {920.0, 0.0, -250.0})));
   const std::vector<VectorXd> own(x.begin(), x.begin() + 9);
   const auto [x_i, x_j] = factor.Points(testing::internal::Pointers(x).data());
   const auto [y_i, y_j] = plain.Points(testing::internal::Pointers(own).data());
@@ -207,8 +205,8 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
 TEST_F(PairOfEffects, RejectsEndsWithOtherEffects) {
   LidarEnd plain = End(4.0, 4.2, {900.0, 0.0, 0.0});
   plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kNoise);
-  EXPECT_THROW(PointToPointBetweenNodes(motion_.frame, End(1.0, 1.3, {900.0, 0.0, 0.0}), plain, 1.3,
-                                        4.2, Mounting(), {}, {}, Noise<3>::Sigma(1.0)),
+  EXPECT_THROW(PointToPointBetweenNodes(motion_.frame,
+                                        Pair(End(1.0, 1.3, {900.0, 0.0, 0.0}), plain), {}, {}),
                InvalidInput);
 }
 

@@ -134,9 +134,9 @@ TEST_F(Bridge, RejectsIncrementsOfAnotherNode) {
 }
 
 TEST_F(Bridge, PlainPairWantsNoBridges) {
-  EXPECT_THROW(PointToPoint(motion_.frame, End(1.0, 1.3, 2.0, {900.0, 0.0, 0.0}, plain_),
-                            End(4.0, 4.2, 5.0, {900.0, 0.0, 0.0}, plain_), Matrix3d::Identity(),
-                            0.0, Noise<3>::Sigma(1.0)),
+  EXPECT_THROW(PointToPoint(motion_.frame, {End(1.0, 1.3, 2.0, {900.0, 0.0, 0.0}, plain_),
+                                            End(4.0, 4.2, 5.0, {900.0, 0.0, 0.0}, plain_),
+                                            Matrix3d::Identity(), 0.0, Noise<3>::Sigma(1.0)}),
                InvalidInput);
 }
 
@@ -149,8 +149,10 @@ TEST_P(BridgedEnds, JacobiansAgreeAtRandomStates) {
   LidarEnd j = End(4.0, 4.22, 5.0, {920.0, 0.0, -250.0}, scaled_);
   if (!at_i) i.bridge = nullptr;
   if (!at_j) j.bridge = nullptr;
-  const PointToPointBetweenNodes factor(motion_.frame, i, j, 1.312, 4.222, Matrix3d::Identity(), {},
-                                        attraction, Noise<3>::Sigma(1.0));
+  i.tag_s = 1.312;
+  j.tag_s = 4.222;
+  const PointToPointBetweenNodes factor(
+      motion_.frame, {i, j, Matrix3d::Identity(), 0.0, Noise<3>::Sigma(1.0)}, {}, attraction);
   for (unsigned seed = 0; seed < 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);

@@ -62,12 +62,10 @@ class PointPair : public ::testing::Test {
 
   PointToPoint Factor(double node_i_s, double t_i_s, double node_j_s, double t_j_s,
                       double dt_nominal_s = 0.0) const {
-    return {motion_.frame,
-            See(motion_, imu_, node_i_s, t_i_s, point_),
-            See(motion_, imu_, node_j_s, t_j_s, point_),
-            Mounting(),
-            dt_nominal_s,
-            Noise<3>::Sigma(1.0)};
+    return {
+        motion_.frame,
+        {See(motion_, imu_, node_i_s, t_i_s, point_), See(motion_, imu_, node_j_s, t_j_s, point_),
+         Mounting(), dt_nominal_s, Noise<3>::Sigma(1.0)}};
   }
   std::vector<VectorXd> Truth(double node_i_s, double node_j_s, double dt_s = 0.0) const {
     return States(motion_.Pose(node_i_s), motion_.Pose(node_j_s), dt_s);
@@ -95,8 +93,8 @@ TEST(PointToPoint, ResidualOfAShiftedPair) {
   LidarEnd i, j;
   i.u_s = {1.0, 2.0, 100.0};
   j.u_s = {1.0, -2.0, 100.0};
-  const PointToPoint factor(LocalFrame({0.8, 0.1, 0.0}), i, j, Matrix3d::Identity(), 0.0,
-                            Noise<3>::Sigma(0.5));
+  const PointToPoint factor(LocalFrame({0.8, 0.1, 0.0}),
+                            {i, j, Matrix3d::Identity(), 0.0, Noise<3>::Sigma(0.5)});
   MapPose a, b;
   a.p_mb = {10.0, 20.0, 30.0};
   b.p_mb = {10.0, 24.0, 31.0};
@@ -132,7 +130,7 @@ TEST_F(PointPair, TimeOffsetMovesThePointAlongItsPath) {
   LidarEnd late_i = true_i, late_j = true_j;
   late_i.partial = Preintegrate(imu_, 1.0, 1.3 + kOffset_s, {}, kNoise);
   late_j.partial = Preintegrate(imu_, 4.0, 4.2 + kOffset_s, {}, kNoise);
-  const PointToPoint late(motion_.frame, late_i, late_j, Mounting(), 0.0, Noise<3>::Sigma(1.0));
+  const PointToPoint late(motion_.frame, {late_i, late_j, Mounting(), 0.0, Noise<3>::Sigma(1.0)});
   const double ignored = EvaluateResidual(late, Truth(1.0, 4.0, 0.0)).norm();
   EXPECT_GE(ignored, 1e-3);
   // Second-order error: 0.1 rad/s^2 x 1 km x dt^2 / 2.
@@ -198,8 +196,8 @@ TEST_F(PointPair, EndNoiseIsThatOfMonteCarlo) {
 TEST_F(PointPair, RejectsBadInput) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const LidarEnd good = See(motion_, imu_, 1.0, 1.3, point_);
-  const auto make = [&](const LidarEnd& i, const LidarEnd& j, const Matrix3d& T, double dt_s) {
-    return PointToPoint(motion_.frame, i, j, T, dt_s, Noise<3>::Sigma(0.1));
+  const auto make = [&](const LidarEnd& i, const LidarEnd& j, const Matrix3d& R_bs, double dt_s) {
+    return PointToPoint(motion_.frame, {i, j, R_bs, dt_s, Noise<3>::Sigma(0.1)});
   };
   EXPECT_NO_THROW(make(good, good, Mounting(), 0.0));
   LidarEnd bad = good;

@@ -80,7 +80,7 @@ void AdjustmentRun::Solve(const std::string& name, int max_iterations, double si
     if (options_.progress) options_.progress(name, progress.iteration);
     return !(options_.interrupted && options_.interrupted());
   };
-  const SolveReport report = dn::Solve(network().net, options);
+  const SolveReport report = dn::Solve(network().net(), options);
   if (report.interrupted) throw Interrupted();
   result_.stages.push_back({name, report.iterations, report.initial_cost, report.final_cost,
                             report.converged, report.time_s, report.message});
@@ -93,14 +93,14 @@ void AdjustmentRun::Solve(const std::string& name, int max_iterations, double si
 }
 
 void AdjustmentRun::SetGnssLoss(const Loss& loss) {
-  for (const FlightNetwork::GnssEdge& edge : network().gnss_edges) {
-    network().net.SetLoss(edge.position, loss);
-    if (edge.velocity >= 0) network().net.SetLoss(edge.velocity, loss);
+  for (const GnssEdge& edge : network().gnss().edges()) {
+    network().net().SetLoss(edge.position, loss);
+    if (edge.velocity >= 0) network().net().SetLoss(edge.velocity, loss);
   }
 }
 
 void AdjustmentRun::SetPairLoss(const Loss& loss) {
-  for (const auto& edge : network().pair_edges) network().net.SetLoss(edge.id, loss);
+  for (const auto& edge : network().pairs().edges()) network().net().SetLoss(edge.id, loss);
 }
 
 void AdjustmentRun::SwapNetworkIn(std::unique_ptr<FlightNetwork> network) {
@@ -114,9 +114,9 @@ std::unique_ptr<FlightNetwork> AdjustmentRun::SwapNetworkBack() {
 double AdjustmentRun::MeanPairDifference() {
   double sum = 0.0;
   long n = 0;
-  for (std::size_t k = 0; k < network().pair_edges.size(); ++k) {
-    if (!network().net.factor(network().pair_edges[k].id).active) continue;
-    sum += network().PairDifference(k).norm();
+  for (std::size_t k = 0; k < network().pairs().edges().size(); ++k) {
+    if (!network().net().factor(network().pairs().edges()[k].id).active) continue;
+    sum += network().pairs().Difference(k).norm();
     ++n;
   }
   return n > 0 ? sum / static_cast<double>(n) : 0.0;

@@ -46,12 +46,12 @@ class WithBias {
 std::vector<BiasCorrelationAt> BiasCorrelationOverTime(const FlightNetwork& network,
                                                        const Marginals& marginals,
                                                        const Marginals::Columns& boresight) {
-  const Eigen::Matrix3d covariance = boresight.Rows(network.boresight.id);
+  const Eigen::Matrix3d covariance = boresight.Rows(network.calibration().boresight().id);
   const Eigen::Vector3d sigma = covariance.diagonal().cwiseSqrt();
-  WithBias gyro(network.gyro_bias, sigma, marginals, boresight);
-  WithBias accel(network.accel_bias, sigma, marginals, boresight);
+  WithBias gyro(network.trajectory().gyro_bias(), sigma, marginals, boresight);
+  WithBias accel(network.trajectory().accel_bias(), sigma, marginals, boresight);
   std::vector<BiasCorrelationAt> series;
-  for (const NodeBlocks& node : network.nodes) {
+  for (const NodeBlocks& node : network.nodes()) {
     series.push_back({node.t_s, gyro.At(node.t_s), accel.At(node.t_s)});
   }
   return series;
@@ -60,12 +60,12 @@ std::vector<BiasCorrelationAt> BiasCorrelationOverTime(const FlightNetwork& netw
 double LidarBarycentre(const FlightNetwork& network) {
   double sum = 0.0;
   double n = 0.0;
-  for (const auto& edge : network.pair_edges) {
-    if (!network.net.factor(edge.id).active) continue;
+  for (const auto& edge : network.pairs().edges()) {
+    if (!network.net().factor(edge.id).active) continue;
     sum += edge.pair.t_i_s + edge.pair.t_j_s;
     n += 2.0;
   }
-  return n > 0.0 ? sum / n : network.node_times().front();
+  return n > 0.0 ? sum / n : network.trajectory().node_times().front();
 }
 
 }  // namespace dn

@@ -23,23 +23,23 @@ class DenseLegs {
   DenseLegs(const FlightNetwork& network, double min_spacing_s)
       : network_(network),
         flight_(network.flight()),
-        calibration_(network.Calibration()),
+        calibration_(network.calibration().State()),
         min_spacing_s_(min_spacing_s),
-        has_leg_(network.nodes.size(), false) {
-    for (const FlightNetwork::InertialEdge& edge : network.inertial_edges) {
+        has_leg_(network.nodes().size(), false) {
+    for (const InertialEdge& edge : network.inertial().edges()) {
       has_leg_[edge.node_i] = true;
     }
   }
 
   /// Returns the pose of node i and those before the next node.
   std::vector<DensePose> FromNode(std::size_t i) const {
-    const MapPose start = network_.NodePose(i);
-    const ImuCorrection correction =
-        calibration_.ImuAt(network_.GyroBias(start.t_s), network_.AccelBias(start.t_s));
+    const MapPose start = network_.trajectory().NodePose(i);
+    const ImuCorrection correction = calibration_.ImuAt(network_.trajectory().GyroBias(start.t_s),
+                                                        network_.trajectory().AccelBias(start.t_s));
     const Preintegrated here = IdentityIncrement(*flight_.imu, start.t_s, correction);
     std::vector<DensePose> leg{{start, here.w_end_b_radps, here.f_end_b_mps2}};
     if (!has_leg_[i]) return leg;
-    const MapPose end = network_.NodePose(i + 1);
+    const MapPose end = network_.trajectory().NodePose(i + 1);
     IncrementalMotionIntegrator motion(*flight_.imu, start.t_s, correction);
     const Propagation from_start(flight_.frame, start, calibration_.GravitationAt(start.p_mb));
     const auto at = [&](double t_s) {
@@ -99,7 +99,7 @@ NavPoint ToNavPoint(const DensePose& dense, const LocalFrame& frame) {
 std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s,
                                       int threads) {
   const DenseLegs legs(network, min_spacing_s);
-  const std::size_t nodes = network.nodes.size();
+  const std::size_t nodes = network.nodes().size();
   std::vector<std::vector<NavPoint>> parts(NumChunks(nodes, kNodesPerTask));
   ParallelForChunks(nodes, kNodesPerTask, threads,
                     [&](std::size_t chunk, std::size_t first, std::size_t past) {

@@ -39,7 +39,8 @@ Eigen::Vector3d ProcessSumSigma(const FlightNetwork& network, const Marginals& m
   for (std::size_t a = 0; a < processes.size(); ++a) {
     for (std::size_t b = 0; b < processes.size(); ++b) {
       const Eigen::MatrixXd covariance =
-          marginals.Covariance(network.gnss_error[a].At(t_s).id, network.gnss_error[b].At(t_s).id);
+          marginals.Covariance(network.trajectory().gnss_error()[a].At(t_s).id,
+                               network.trajectory().gnss_error()[b].At(t_s).id);
       variance += processes[a]
                       .sigma_enu_m.cwiseProduct(processes[b].sigma_enu_m)
                       .cwiseProduct(covariance.diagonal());
@@ -53,18 +54,19 @@ Eigen::Vector3d ProcessSumSigma(const FlightNetwork& network, const Marginals& m
 Json GnssErrorsJson(const Adjustment& adjustment, const Marginals& marginals) {
   const FlightNetwork& network = *adjustment.network;
   Json processes = Json::array();
-  for (std::size_t i = 0; i < network.gnss_error.size(); ++i) {
+  for (std::size_t i = 0; i < network.trajectory().gnss_error().size(); ++i) {
     processes.push_back(ProcessJson(network.flight().config.gnss->processes[i],
-                                    network.gnss_error[i], network.net, marginals));
+                                    network.trajectory().gnss_error()[i], network.net(),
+                                    marginals));
   }
   return {{"test", TestJson(adjustment.gnss_correlation)}, {"processes", processes}};
 }
 
 std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marginals) {
   std::string text = "# t, GNSS error E, N, U [m], sigma E, N, U [m]\n";
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const double t_s = network.flight().gnss->epochs[edge.epoch].t_s;
-    const Eigen::Vector3d error = network.GnssErrorEnu(t_s);
+    const Eigen::Vector3d error = network.trajectory().GnssErrorEnu(t_s);
     const Eigen::Vector3d sigma = ProcessSumSigma(network, marginals, t_s);
     text += FormatDouble(t_s);
     for (const Eigen::Vector3d& columns : {error, sigma}) {

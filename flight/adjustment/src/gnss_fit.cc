@@ -13,10 +13,10 @@ constexpr double kLargestShareLeft = 0.5;
 /// Returns the squared norms of the whitened residuals of the positions in use.
 std::vector<double> GnssNorms2(const FlightNetwork& network) {
   std::vector<double> norm2;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     Eigen::VectorXd r;
-    if (!network.net.factor(edge.position).active) continue;
-    if (network.net.EvaluateFactor(edge.position, &r)) norm2.push_back(r.squaredNorm());
+    if (!network.net().factor(edge.position).active) continue;
+    if (network.net().EvaluateFactor(edge.position, &r)) norm2.push_back(r.squaredNorm());
   }
   return norm2;
 }

@@ -1,7 +1,8 @@
 #include "open_filter.h"
 
-#include <dn/builder/edge_factors.h>
 #include <dn/builder/flight_network.h>
+#include <dn/builder/gnss_factors.h>
+#include <dn/builder/node_grid.h>
 #include <dn/navigation/alignment.h>
 #include <dn/rotation.h>
 
@@ -51,7 +52,7 @@ Eigen::Vector3d DiffuseAttitudeSigma() {
 
 DiffusePriorFilter::DiffusePriorFilter(const Adjustment& adjustment)
     : network_(*adjustment.network) {
-  CalibrationState calibration = network_.Calibration();
+  CalibrationState calibration = network_.calibration().State();
   at_epochs_ = CorrectGnssTags(network_.flight(), &calibration);
   options_.skipped_epochs = adjustment.gnss_rejected;
   options_.calibration = calibration;
@@ -60,10 +61,10 @@ DiffusePriorFilter::DiffusePriorFilter(const Adjustment& adjustment)
 }
 
 FilterState DiffusePriorFilter::StartAt(double t_s) const {
-  const std::size_t k = NodeBefore(network_.node_times(), t_s + 1e-6);
-  return MakeFilterState(flight(), network_.NodePose(k), network_.GyroBias(t_s),
-                         network_.AccelBias(t_s), DiffuseAttitudeSigma(),
-                         3.0 * TypicalGnssSigma(flight()), 1.0);
+  const std::size_t k = NodeBefore(network_.trajectory().node_times(), t_s + 1e-6);
+  return MakeFilterState(flight(), network_.trajectory().NodePose(k),
+                         network_.trajectory().GyroBias(t_s), network_.trajectory().AccelBias(t_s),
+                         DiffuseAttitudeSigma(), 3.0 * TypicalGnssSigma(flight()), 1.0);
 }
 
 DirectedRun DiffusePriorFilter::Run(FilterDirection direction) const {

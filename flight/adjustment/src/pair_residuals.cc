@@ -84,13 +84,13 @@ std::vector<PairResidual> PairResiduals(const FlightNetwork& network,
   const Flight& flight = network.flight();
   const std::vector<StripInterval> strips = FindStrips(flight);
   std::vector<PairResidual> residuals;
-  for (std::size_t k = 0; k < network.pair_edges.size(); ++k) {
-    const FlightNetwork::PairEdge& edge = network.pair_edges[k];
-    if (!network.net.factor(edge.id).active) continue;
+  for (std::size_t k = 0; k < network.pairs().edges().size(); ++k) {
+    const PairEdge& edge = network.pairs().edges()[k];
+    if (!network.net().factor(edge.id).active) continue;
     const LidarPair& pair = edge.pair;
     residuals.push_back(
         Describe(flight, strips, pair, poses.Nearest(pair.t_i_s), poses.Nearest(pair.t_j_s)));
-    residuals.back().after_enu_m = network.PairDifference(k);
+    residuals.back().after_enu_m = network.pairs().Difference(k);
   }
   return residuals;
 }

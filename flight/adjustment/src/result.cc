@@ -1,6 +1,7 @@
 #include <dn/adjustment/bias_correlation.h>
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/trajectory_sigma.h>
+#include <dn/builder/node_grid.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 
@@ -19,8 +20,8 @@ namespace {
 
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const LocalFrame& frame = network.flight().frame;
-  const NodeBlocks& node = network.nodes[k];
-  const MapPose pose = network.NodePose(k);
+  const NodeBlocks& node = network.nodes()[k];
+  const MapPose pose = network.trajectory().NodePose(k);
   const Eigen::Matrix3d R_enu_m = frame.R_m_enu(pose.p_mb).transpose();
   const auto sigma = [](const Eigen::Matrix3d& covariance) {
     return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
@@ -85,7 +86,7 @@ void AddInnovationWarnings(TrajectoryResult* result) {
 
 AdjustmentFigures Figures(const Adjustment& adjustment) {
   const FlightNetwork& network = *adjustment.network;
-  const CostSummary summary = EvaluateCost(network.net);
+  const CostSummary summary = EvaluateCost(network.net());
   AdjustmentFigures figures;
   figures.chi2 = 2.0 * summary.cost;
   figures.parameters = summary.parameters;
@@ -95,14 +96,15 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
                        : 0.0;
   figures.iterations = adjustment.iterations;
   figures.converged = adjustment.converged;
-  figures.nodes = static_cast<long>(network.nodes.size());
+  figures.nodes = static_cast<long>(network.nodes().size());
   const auto [first, past] =
-      SampleRange(*network.flight().imu, network.node_times().front(), network.node_times().back());
+      SampleRange(*network.flight().imu, network.trajectory().node_times().front(),
+                  network.trajectory().node_times().back());
   figures.imu_epochs = static_cast<long>(past - first);
-  figures.gnss_epochs = static_cast<long>(network.gnss_edges.size()) -
+  figures.gnss_epochs = static_cast<long>(network.gnss().edges().size()) -
                         static_cast<long>(adjustment.gnss_rejected.size());
   figures.outliers = adjustment.outliers;
-  figures.correspondences = static_cast<long>(network.pair_edges.size()) - adjustment.outliers;
+  figures.correspondences = static_cast<long>(network.pairs().edges().size()) - adjustment.outliers;
   return figures;
 }
 
@@ -189,7 +191,7 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
 std::vector<TrajectorySigma> TrajectorySigmas(const FlightNetwork& network,
                                               const Marginals& marginals) {
   std::vector<TrajectorySigma> sigma;
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
     sigma.push_back(SigmaAt(network, k, marginals));
   }
   return sigma;
@@ -199,15 +201,17 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
   const FlightNetwork& network = *adjustment.network;
   TrajectoryResult result;
   result.sigma = TrajectorySigmas(network, marginals);
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    const double t_s = network.nodes[k].t_s;
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    const double t_s = network.nodes()[k].t_s;
     BiasEstimate bias;
     bias.t_s = t_s;
-    bias.gyro_radps = network.GyroBias(t_s);
-    bias.accel_mps2 = network.AccelBias(t_s);
-    bias.sigma_gyro_radps =
-        TotalBiasCovariance(network.gyro_bias, t_s, marginals).diagonal().cwiseMax(0.0).cwiseSqrt();
-    bias.sigma_accel_mps2 = TotalBiasCovariance(network.accel_bias, t_s, marginals)
+    bias.gyro_radps = network.trajectory().GyroBias(t_s);
+    bias.accel_mps2 = network.trajectory().AccelBias(t_s);
+    bias.sigma_gyro_radps = TotalBiasCovariance(network.trajectory().gyro_bias(), t_s, marginals)
+                                .diagonal()
+                                .cwiseMax(0.0)
+                                .cwiseSqrt();
+    bias.sigma_accel_mps2 = TotalBiasCovariance(network.trajectory().accel_bias(), t_s, marginals)
                                 .diagonal()
                                 .cwiseMax(0.0)
                                 .cwiseSqrt();
@@ -223,20 +227,21 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
 
 BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals) {
   const FlightNetwork& network = *adjustment.network;
-  if (network.net.block(network.boresight.id).held) {
+  if (network.net().block(network.calibration().boresight().id).held) {
     throw RankDeficient(
         "the boresight is constant at its assumed value: add boresight to estimate in "
         "flight.yaml");
   }
   BoresightResult result;
-  const Eigen::Quaterniond q = network.net.Value(network.boresight);
+  const Eigen::Quaterniond q = network.net().Value(network.calibration().boresight());
   result.angles_rad = Log(q);
   result.euler_zyx_rad = RollPitchHeading(q);
-  const Marginals::Columns columns = marginals.SolveColumns({network.boresight.id});
-  result.covariance_rad2 = columns.Rows(network.boresight.id);
+  const Marginals::Columns columns = marginals.SolveColumns({network.calibration().boresight().id});
+  result.covariance_rad2 = columns.Rows(network.calibration().boresight().id);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(result.covariance_rad2);
   result.condition_number = eigen.eigenvalues()[2] / eigen.eigenvalues()[0];
-  const std::size_t barycentre = NodeNear(network.node_times(), LidarBarycentre(network));
+  const std::size_t barycentre =
+      NodeNear(network.trajectory().node_times(), LidarBarycentre(network));
   const auto series = BiasCorrelationOverTime(network, marginals, columns);
   result.accel_bias = Summarise(series, &BiasCorrelationAt::accel, barycentre);
   result.gyro_bias = Summarise(series, &BiasCorrelationAt::gyro, barycentre);
@@ -260,8 +265,8 @@ std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
   std::vector<UnknownEstimate> estimates;
   for (const EstimateEntry& entry : network.flight().config.estimate) {
     if (entry.unknown == "boresight") continue;
-    const BlockId id = network.net.Find(entry.unknown);
-    const BlockRecord& record = network.net.block(id);
+    const BlockId id = network.net().Find(entry.unknown);
+    const BlockRecord& record = network.net().block(id);
     const Eigen::VectorXd assumed = AssumedValue(network.flight(), entry.unknown);
     const Eigen::VectorXd sigma = marginals.Covariance(id).diagonal().cwiseMax(0.0).cwiseSqrt();
     UnknownEstimate estimate{entry.unknown, record.label.unit, {}, {}};

@@ -26,18 +26,18 @@ struct PairAtBoresight {
 std::optional<PairAtBoresight> AtBoresight(const FlightNetwork& network, FactorId id) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
-  if (network.net.factor(id).factor->residual_size() != 3) return std::nullopt;
-  if (!network.net.EvaluateFactor(id, &r, &J)) return std::nullopt;
+  if (network.net().factor(id).factor->residual_size() != 3) return std::nullopt;
+  if (!network.net().EvaluateFactor(id, &r, &J)) return std::nullopt;
   return PairAtBoresight{r, J[kBoresightBlock]};
 }
 
 class PairsAtBoresight {
  public:
   PairsAtBoresight(const FlightNetwork& network, int threads) {
-    std::vector<std::optional<PairAtBoresight>> of_edge(network.pair_edges.size());
+    std::vector<std::optional<PairAtBoresight>> of_edge(network.pairs().edges().size());
     ParallelFor(static_cast<int>(of_edge.size()), threads, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      of_edge[k] = AtBoresight(network, network.pair_edges[k].id);
+      of_edge[k] = AtBoresight(network, network.pairs().edges()[k].id);
     });
     for (const std::optional<PairAtBoresight>& pair : of_edge) {
       if (pair) pairs_.push_back(*pair);
@@ -84,11 +84,12 @@ class PairsAtBoresight {
 
 void StartBoresight(AdjustmentRun& run) {
   FlightNetwork& network = run.network();
-  Network& net = network.net;
-  if (net.block(network.boresight.id).held) return;
+  Network& net = network.net();
+  if (net.block(network.calibration().boresight().id).held) return;
   for (int step = 0; step < kMaxSteps; ++step) {
     const Eigen::Vector3d d = PairsAtBoresight(network, run.options().threads).Turn();
-    net.SetValue(network.boresight, Exp(d) * net.Value(network.boresight));
+    net.SetValue(network.calibration().boresight(),
+                 Exp(d) * net.Value(network.calibration().boresight()));
     if (d.norm() < kStepRad) break;
   }
 }

@@ -15,7 +15,7 @@ void SolveFinally(AdjustmentRun& run) {
   run.SetGnssLoss({});
   run.SetPairLoss({});
   for (int k = 0; k <= internal::kMaxRepreintegrations; ++k) {
-    const bool biases_unchanged = run.network().BiasChange() < kMaxBiasChange;
+    const bool biases_unchanged = run.network().inertial().BiasChange() < kMaxBiasChange;
     if (k > 0 && biases_unchanged) break;
     if (!biases_unchanged) run.network().Repreintegrate();
     run.Solve(kName, run.options().max_iterations, AdjustmentRun::kFinalSigmas);

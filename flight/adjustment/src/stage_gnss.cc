@@ -1,6 +1,7 @@
 #include <dn/adjustment/left_out_gnss.h>
 #include <dn/adjustment/stages.h>
 #include <dn/adjustment/words.h>
+#include <dn/builder/gnss_factors.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/navigation/gnss_screening.h>
@@ -47,16 +48,16 @@ std::string RejectedCountsText(const LeftOutGnss& out) {
 
 std::vector<std::size_t> RejectedGnss(const FlightNetwork& network) {
   std::vector<std::size_t> epochs;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    const bool velocity_out = edge.velocity >= 0 && !network.net.factor(edge.velocity).active;
-    if (!network.net.factor(edge.position).active || velocity_out) epochs.push_back(edge.epoch);
+  for (const GnssEdge& edge : network.gnss().edges()) {
+    const bool velocity_out = edge.velocity >= 0 && !network.net().factor(edge.velocity).active;
+    if (!network.net().factor(edge.position).active || velocity_out) epochs.push_back(edge.epoch);
   }
   return epochs;
 }
 
 bool TooManyRejected(const std::vector<std::size_t>& rejected, const FlightNetwork& network) {
   return static_cast<double>(rejected.size()) >
-         kLargestRejectedShare * static_cast<double>(network.gnss_edges.size());
+         kLargestRejectedShare * static_cast<double>(network.gnss().edges().size());
 }
 
 // Records the rejected epochs; throws InvalidInput if they are too many.
@@ -64,7 +65,7 @@ void CountRejected(AdjustmentRun& run) {
   std::vector<std::size_t>& rejected = run.result().gnss_rejected;
   rejected = RejectedGnss(run.network());
   if (!TooManyRejected(rejected, run.network())) return;
-  const std::size_t all = run.network().gnss_edges.size();
+  const std::size_t all = run.network().gnss().edges().size();
   const MapGnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
   throw SensorsContradict("GNSS and inertial data contradict each other at " +
                               std::to_string(rejected.size()) + " of " + std::to_string(all) +
@@ -88,7 +89,7 @@ void CountRejected(AdjustmentRun& run) {
 
 // Throws InvalidInput if the misfit is too large for any error of the stochastic model.
 void ExpectFit(AdjustmentRun& run) {
-  const double sigma0 = EvaluateCost(run.network().net, run.options().threads).sigma0();
+  const double sigma0 = EvaluateCost(run.network().net(), run.options().threads).sigma0();
   if (!(sigma0 > kLargestGnssSigma0)) return;
   FailFit(sigma0, run);
 }
@@ -123,16 +124,16 @@ double CorrelatedOverWhite(const GnssProcess& process, const Flight& flight) {
 void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_for_good) {
   FlightNetwork& network = run.network();
   for (std::size_t e = jump.first; e <= jump.last; ++e) {
-    network.net.SetActive(network.gnss_edges[e].position, false);
+    network.net().SetActive(network.gnss().edges()[e].position, false);
   }
   run.Solve(kScreened, run.options().max_iterations);
   for (std::size_t e = jump.first; e <= jump.last; ++e) {
-    const FactorId id = network.gnss_edges[e].position;
+    const FactorId id = network.gnss().edges()[e].position;
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    network.net.EvaluateFactor(id, &r, &J);
+    network.net().EvaluateFactor(id, &r, &J);
     const bool agrees = r.norm() < (r + J[kPositionBlock] * jump.offset_m).norm();
-    network.net.SetActive(id, agrees);
+    network.net().SetActive(id, agrees);
     if (!agrees) out_for_good->insert(id);
   }
 }
@@ -145,7 +146,7 @@ class EpochScreener {
   /// Makes one pass; returns false if nothing is left to change.
   bool Once() {
     FlightNetwork& network = run_.network();
-    Marginals marginals(network.net, {.threads = run_.options().threads});
+    Marginals marginals(network.net(), {.threads = run_.options().threads});
     marginals.ComputeSelectedInverse();
     if (const auto misfit = ExplainGnssMisfit(network, marginals)) {
       if (misfit->cause != GnssMisfit::Cause::kClock) return Tell(*misfit);
@@ -159,7 +160,7 @@ class EpochScreener {
         FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds), noise_ratio_);
     if (jump && jump->statistic > screening.Worst()) {
       TakeOut(*jump, run_, &rejected_);
-    } else if (screening.Apply(rejected_, noise_ratio_, &network.net) == 0) {
+    } else if (screening.Apply(rejected_, noise_ratio_, &network.net()) == 0) {
       run_.result().gnss_correlation = TestGnssCorrelation(network, marginals);
       return run_.result().gnss_correlation.significant() && RestoreCorrelatedErrors();
     }
@@ -182,7 +183,7 @@ class EpochScreener {
   /// hope: a clock that steps needs several passes.
   void ExpectHope() {
     FlightNetwork& network = run_.network();
-    const CostSummary now = EvaluateCost(network.net, run_.options().threads);
+    const CostSummary now = EvaluateCost(network.net(), run_.options().threads);
     const double before = run_.has_swapped_network() ? held_.cost : now.cost;
     const double after = run_.has_swapped_network() ? free_.cost : now.cost;
     if (!internal::ClockMayExplain(network, before, after)) FailFit(now.sigma0(), run_);
@@ -196,7 +197,7 @@ class EpochScreener {
       return false;
     }
     const MapGnssEpoch& epoch =
-        run_.flight().gnss->epochs[run_.network().gnss_edges[misfit.first].epoch];
+        run_.flight().gnss->epochs[run_.network().gnss().edges()[misfit.first].epoch];
     throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
                            " s on, the GNSS time tags are " +
                            FormatDouble(std::round(std::abs(misfit.estimate[0]) * 1e4) / 1e4) +
@@ -213,20 +214,20 @@ class EpochScreener {
     if (restored_ || RejectedGnss(network).empty()) return false;
     restored_ = true;
     std::vector<std::pair<FactorId, bool>> in_use;
-    for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    for (const GnssEdge& edge : network.gnss().edges()) {
       for (const FactorId id : {edge.position, edge.velocity}) {
         if (id < 0) continue;
-        in_use.emplace_back(id, network.net.factor(id).active);
-        network.net.SetActive(id, true);
+        in_use.emplace_back(id, network.net().factor(id).active);
+        network.net().SetActive(id, true);
       }
     }
     run_.Solve(kScreened, run_.options().max_iterations);
-    Marginals marginals(network.net, {.threads = run_.options().threads});
+    Marginals marginals(network.net(), {.threads = run_.options().threads});
     marginals.ComputeSelectedInverse();
     const GnssCorrelation test = TestGnssCorrelation(network, marginals);
     const double ratio = CorrelatedOverWhite(test.process, run_.flight());
     if (!test.significant() || ratio > kLargestGnssSigma0 * kLargestGnssSigma0) {
-      for (const auto& [id, active] : in_use) network.net.SetActive(id, active);
+      for (const auto& [id, active] : in_use) network.net().SetActive(id, active);
       return false;
     }
     noise_ratio_ = 1.0 + ratio;
@@ -237,19 +238,19 @@ class EpochScreener {
   /// Continues with offset and drift of the clock as unknowns, with all epochs active.
   void FreeClock(const Eigen::VectorXd& start) {
     rejected_.clear();
-    held_ = EvaluateCost(run_.network().net, run_.options().threads);
-    CalibrationState calibration = run_.network().Calibration();
+    held_ = EvaluateCost(run_.network().net(), run_.options().threads);
+    CalibrationState calibration = run_.network().calibration().State();
     AddTo(kOffset, start[0], &calibration);
     AddTo(kDrift, start[1], &calibration);
     run_.SwapNetworkIn(internal::RemakeNetwork(run_, calibration));
     for (const EffectId effect : {kOffset, kDrift}) {
-      run_.network().net.Hold(run_.network().net.Find(EffectName(effect)), false);
+      run_.network().net().Hold(run_.network().net().Find(EffectName(effect)), false);
     }
     SolveInsGnss(run_);
     if (internal::ClockMayExplain(run_.network(), held_.cost, run_.result().cost)) {
       SettleGnssClock(run_);
     }
-    free_ = EvaluateCost(run_.network().net, run_.options().threads);
+    free_ = EvaluateCost(run_.network().net(), run_.options().threads);
   }
 
   void AddTo(EffectId id, double more, CalibrationState* calibration) const {
@@ -269,24 +270,24 @@ class EpochScreener {
   }
 
   ClockEstimate EstimateClockError(const FlightNetwork& network) const {
-    const Marginals marginals(network.net, {.threads = run_.options().threads});
-    const BlockId offset = network.net.Find(EffectName(kOffset));
-    const BlockId drift = network.net.Find(EffectName(kDrift));
+    const Marginals marginals(network.net(), {.threads = run_.options().threads});
+    const BlockId offset = network.net().Find(EffectName(kOffset));
+    const BlockId drift = network.net().Find(EffectName(kDrift));
     const double sigma_offset_s = std::sqrt(marginals.Covariance(offset)(0, 0));
     const double sigma_drift = std::sqrt(marginals.Covariance(drift)(0, 0));
-    return {network.net.block(offset).value[0], sigma_offset_s, network.net.block(drift).value[0],
-            sigma_drift,
+    return {network.net().block(offset).value[0], sigma_offset_s,
+            network.net().block(drift).value[0], sigma_drift,
             marginals.Covariance(offset, drift)(0, 0) / (sigma_offset_s * sigma_drift)};
   }
 
   static void CopyRejections(const FlightNetwork& other, FlightNetwork* network) {
-    std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
-    for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) of_epoch[edge.epoch] = &edge;
-    for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
+    std::map<std::size_t, const GnssEdge*> of_epoch;
+    for (const GnssEdge& edge : other.gnss().edges()) of_epoch[edge.epoch] = &edge;
+    for (const GnssEdge& edge : network->gnss().edges()) {
       const auto at = of_epoch.find(edge.epoch);
       if (at == of_epoch.end()) continue;
       const auto copy = [&](FactorId to, FactorId from) {
-        if (to >= 0 && from >= 0) network->net.SetActive(to, other.net.factor(from).active);
+        if (to >= 0 && from >= 0) network->net().SetActive(to, other.net().factor(from).active);
       };
       copy(edge.position, at->second->position);
       copy(edge.velocity, at->second->velocity);
@@ -304,9 +305,9 @@ class EpochScreener {
 
 LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
   LeftOutGnss out;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    if (!network.net.factor(edge.position).active) ++out.positions;
-    if (edge.velocity >= 0 && !network.net.factor(edge.velocity).active) ++out.velocities;
+  for (const GnssEdge& edge : network.gnss().edges()) {
+    if (!network.net().factor(edge.position).active) ++out.positions;
+    if (edge.velocity >= 0 && !network.net().factor(edge.velocity).active) ++out.velocities;
   }
   return out;
 }
@@ -314,7 +315,8 @@ LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
 void SolveInsGnss(AdjustmentRun& run) {
   run.SetGnssLoss(internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
-  for (int k = 0; k < internal::kMaxRepreintegrations && run.network().BiasChange() > 1.0; ++k) {
+  for (int k = 0;
+       k < internal::kMaxRepreintegrations && run.network().inertial().BiasChange() > 1.0; ++k) {
     if (k > 0 && internal::IsHopeless(run.network())) break;  // another cause drives the biases
     run.network().Repreintegrate();
     run.Solve("INS/GNSS, new increments", run.options().max_iterations);

@@ -1,4 +1,5 @@
 #include <dn/adjustment/stages.h>
+#include <dn/builder/gnss_factors.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +16,12 @@ constexpr double kMaxNodeInterval_s = 5e-3;
 constexpr int kMaxClockSteps = 10;
 
 double LongestNodeInterval(const FlightNetwork& network) {
-  const CalibrationState calibration = network.Calibration();
+  const CalibrationState calibration = network.calibration().State();
   double longest_s = 0.0;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const double tag_s = network.flight().gnss->epochs[edge.epoch].t_s;
     longest_s = std::max(
-        longest_s, std::abs(GnssEpochTime(calibration, tag_s) - network.nodes[edge.node].t_s));
+        longest_s, std::abs(GnssEpochTime(calibration, tag_s) - network.nodes()[edge.node].t_s));
   }
   return longest_s;
 }
@@ -31,7 +32,7 @@ void SettleGnssClock(AdjustmentRun& run) {
   for (int k = 0; k < kMaxClockSteps && LongestNodeInterval(run.network()) > kMaxNodeInterval_s;
        ++k) {
     const double before = run.result().cost;
-    run.result().network = internal::RemakeNetwork(run, run.network().Calibration());
+    run.result().network = internal::RemakeNetwork(run, run.network().calibration().State());
     SolveInsGnss(run);
     if (!internal::ClockMayExplain(run.network(), before, run.result().cost)) break;
   }

@@ -1,6 +1,7 @@
 #include <dn/adjustment/stages.h>
 #include <dn/builder/flight_nodes.h>
 #include <dn/builder/keep_in_use.h>
+#include <dn/builder/node_grid.h>
 #include <dn/imu/strapdown.h>
 #include <dn/navigation/alignment.h>
 
@@ -46,10 +47,13 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
 
 std::vector<FilterState> NodeStates(const FlightNetwork& network) {
   std::vector<FilterState> states;
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    const double t_s = network.nodes[k].t_s;
-    states.push_back(
-        {network.NodePose(k), {network.GyroBias(t_s)}, {network.AccelBias(t_s)}, {}, {}});
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    const double t_s = network.nodes()[k].t_s;
+    states.push_back({network.trajectory().NodePose(k),
+                      {network.trajectory().GyroBias(t_s)},
+                      {network.trajectory().AccelBias(t_s)},
+                      {},
+                      {}});
   }
   return states;
 }
@@ -69,8 +73,8 @@ std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
   InitialStates initial = StatesAtNodes(flight, node_t_s, NodeStates(before));
   initial.calibration = calibration;
   auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial, run.network_options());
-  for (const EffectBlock& effect : before.effects) {
-    network->net.Hold(network->net.Find(effect.name), before.net.block(effect.id).held);
+  for (const EffectBlock& effect : before.calibration().effects()) {
+    network->net().Hold(network->net().Find(effect.name), before.net().block(effect.id).held);
   }
   return network;
 }
@@ -99,7 +103,7 @@ void UseInertialRate(AdjustmentRun& run) {
   run.Announce("inertial rate");
   run.TakeRawInertial();
   std::unique_ptr<FlightNetwork> network =
-      internal::RemakeNetwork(run, run.network().Calibration());
+      internal::RemakeNetwork(run, run.network().calibration().State());
   if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);

@@ -31,7 +31,7 @@ void AddPairs(AdjustmentRun& run) {
   const std::vector<LidarPair>& pairs = run.flight().pairs->pairs;
   ExpectSeveralEpochs(pairs);
   run.network().AddPairs(pairs);
-  if (run.network().pair_edges.empty()) {
+  if (run.network().pairs().edges().empty()) {
     throw InvalidInput(
         "adjustment: the two epochs of every pair lie between the same two nodes; pairs must join "
         "different strips");
@@ -45,10 +45,10 @@ void SolvePairsRobustly(AdjustmentRun& run) {
 }
 
 void RejectPairs(AdjustmentRun& run) {
-  Network& net = run.network().net;
+  Network& net = run.network().net();
   std::vector<FactorId> in_use;
   std::vector<double> norm2;
-  for (const auto& edge : run.network().pair_edges) {
+  for (const auto& edge : run.network().pairs().edges()) {
     if (!net.factor(edge.id).active) continue;
     Eigen::VectorXd r;
     net.EvaluateFactor(edge.id, &r);

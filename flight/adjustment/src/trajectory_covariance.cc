@@ -52,23 +52,23 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
   TrajectoryCovariance out;
   if (strips.empty() || strips.size() > kMaxCovarianceStrips) return out;
   const FlightNetwork& network = *adjustment.network;
-  const std::vector<StripNode> chosen = Choose(network.node_times(), strips);
+  const std::vector<StripNode> chosen = Choose(network.trajectory().node_times(), strips);
   const auto T = static_cast<Eigen::Index>(chosen.size());
   out.covariance.resize(6 * T, 6 * T);
   for (Eigen::Index j = 0; j < T; ++j) {
     const StripNode& at = chosen[static_cast<std::size_t>(j)];
-    const NodeBlocks& node = network.nodes[at.node];
+    const NodeBlocks& node = network.nodes()[at.node];
     out.t_s.push_back(node.t_s);
     out.strip.push_back(at.strip);
     const Marginals::Columns columns = marginals.SolveColumns({node.p_mb.id, node.q_mb.id});
     for (Eigen::Index i = 0; i < T; ++i) {
-      const NodeBlocks& other = network.nodes[chosen[static_cast<std::size_t>(i)].node];
+      const NodeBlocks& other = network.nodes()[chosen[static_cast<std::size_t>(i)].node];
       out.covariance.block<6, 6>(6 * i, 6 * j) << columns.Rows(other.p_mb.id),
           columns.Rows(other.q_mb.id);
     }
   }
   for (std::size_t k = 0; k < chosen.size(); ++k) {
-    const Eigen::Vector3d p_mb = network.NodePose(chosen[k].node).p_mb;
+    const Eigen::Vector3d p_mb = network.trajectory().NodePose(chosen[k].node).p_mb;
     internal::RotatePosition(network.flight().frame.R_m_enu(p_mb).transpose(), k, &out.covariance);
   }
   out.covariance = (0.5 * (out.covariance + out.covariance.transpose())).eval();

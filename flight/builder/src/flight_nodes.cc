@@ -1,5 +1,6 @@
-#include <dn/builder/edge_factors.h>
 #include <dn/builder/flight_nodes.h>
+#include <dn/builder/gnss_factors.h>
+#include <dn/builder/node_grid.h>
 #include <dn/error.h>
 
 #include <algorithm>

@@ -14,11 +14,13 @@ bool SamePair(const LidarPair& a, const LidarPair& b) {
 /// pairs in the order of the flight.
 void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
   std::size_t theirs = 0;
-  for (const FlightNetwork::PairEdge& edge : network->pair_edges) {
+  for (const PairEdge& edge : network->pairs().edges()) {
     std::size_t k = theirs;
-    while (k < other.pair_edges.size() && !SamePair(other.pair_edges[k].pair, edge.pair)) ++k;
-    const bool found = k < other.pair_edges.size();
-    network->net.SetActive(edge.id, found && other.net.factor(other.pair_edges[k].id).active);
+    while (k < other.pairs().edges().size() && !SamePair(other.pairs().edges()[k].pair, edge.pair))
+      ++k;
+    const bool found = k < other.pairs().edges().size();
+    network->net().SetActive(edge.id,
+                             found && other.net().factor(other.pairs().edges()[k].id).active);
     if (found) theirs = k + 1;
   }
 }
@@ -26,12 +28,12 @@ void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
 }  // namespace
 
 void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
-  std::map<std::size_t, const FlightNetwork::GnssEdge*> by_epoch;
-  for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) by_epoch[edge.epoch] = &edge;
+  std::map<std::size_t, const GnssEdge*> by_epoch;
+  for (const GnssEdge& edge : other.gnss().edges()) by_epoch[edge.epoch] = &edge;
   const auto keep = [&](FactorId theirs, FactorId ours) {
-    if (ours >= 0) network->net.SetActive(ours, theirs >= 0 && other.net.factor(theirs).active);
+    if (ours >= 0) network->net().SetActive(ours, theirs >= 0 && other.net().factor(theirs).active);
   };
-  for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
+  for (const GnssEdge& edge : network->gnss().edges()) {
     const auto found = by_epoch.find(edge.epoch);
     keep(found == by_epoch.end() ? -1 : found->second->position, edge.position);
     keep(found == by_epoch.end() ? -1 : found->second->velocity, edge.velocity);

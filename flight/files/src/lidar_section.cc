@@ -58,7 +58,7 @@ void CheckAxes(const YamlValue& section, const ScannerAxes& axes) {
     section["nadir_axis"].Fail("must be perpendicular to scan_axis; their cosine is " +
                                Short(cosine));
   }
-  const double down = (axes.R_bs * axes.nadir_axis_s).z();
+  const double down = (axes.R_bs_nominal * axes.nadir_axis_s).z();
   if (!(down > 1e-6)) {
     section["nadir_axis"].Fail(
         "must point below the horizon when mounted; R_sensor_to_body takes it to a downward "
@@ -134,7 +134,7 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
   lidar.time_offset_s = ReadTimeOffset(section);
   if (section["pairs"]) lidar.pairs = ReadSelection(section["pairs"]);
   const ScannerAxes axes = ReadScannerAxes(section, body_is_flu);
-  lidar.mounting.R_bs_nominal = axes.R_bs;
+  lidar.mounting.R_bs_nominal = axes.R_bs_nominal;
   lidar.scan_axis_s = axes.scan_axis_s;
   lidar.nadir_axis_s = axes.nadir_axis_s;
   if (section["lever_arm_m"]) {
@@ -162,8 +162,8 @@ ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu) {
   using internal::ReadUnitVector;
   ScannerAxes axes;
   const YamlValue matrix = section["R_sensor_to_body"];
-  if (matrix) axes.R_bs = internal::ReadRotation(matrix);
-  if (body_is_flu) internal::FlipBody(&axes.R_bs);
+  if (matrix) axes.R_bs_nominal = internal::ReadRotation(matrix);
+  if (body_is_flu) internal::FlipBody(&axes.R_bs_nominal);
   if (section["scan_axis"]) axes.scan_axis_s = ReadUnitVector(section["scan_axis"]);
   if (section["nadir_axis"]) axes.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
   internal::CheckAxes(section, axes);

@@ -131,7 +131,7 @@ class Adjuster {
   struct PairTerms {
     Vector3d w;  // w~ = w - B v
     Matrix3d A, S;
-    internal::EndNoise noise_i, noise_j;
+    internal::PoseNoise noise_i, noise_j;
     Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude covariance
   };
 
@@ -169,7 +169,7 @@ class Adjuster {
   // and the derivatives of R_nb lack the factor R_en.
   void TurnAsLibor(const GaussHelmertPair& pair, PairTerms* terms, Matrix3d* B_i,
                    Matrix3d* B_j) const {
-    const auto turn = [&](const GaussHelmertEnd& end, internal::EndNoise* noise, Matrix3d* B) {
+    const auto turn = [&](const GaussHelmertEnd& end, internal::PoseNoise* noise, Matrix3d* B) {
       const Matrix3d L = R_me_ * end.sigma_ned_m.asDiagonal();
       noise->position = L * L.transpose();
       *B = R_me_ * end.q_mn.toRotationMatrix().transpose() * *B;

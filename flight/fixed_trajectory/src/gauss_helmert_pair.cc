@@ -41,11 +41,11 @@ EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_ar
   return terms;
 }
 
-EndNoise EvaluateNoise(const GaussHelmertEnd& end) {
+PoseNoise EvaluateNoise(const GaussHelmertEnd& end) {
   const Eigen::Matrix3d R_mn = end.q_mn.toRotationMatrix();
   const Eigen::Matrix3d L = R_mn * end.sigma_ned_m.asDiagonal();
   const Eigen::Vector3d down_b = end.q_mb.conjugate() * Eigen::Vector3d(R_mn.col(2));
-  EndNoise noise;
+  PoseNoise noise;
   noise.position.noalias() = L * L.transpose();
   noise.attitude_factor = BodyFromEulerRates(down_b) * end.sigma_rph_rad.asDiagonal();
   return noise;

@@ -27,10 +27,10 @@ EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_ar
 
 /// Observation covariance P^-1 of an end. It consists of the position covariance in map axes (m^2),
 /// and of a factor F of the attitude covariance F F^T in body axes (rad^2).
-struct EndNoise {
+struct PoseNoise {
   Eigen::Matrix3d position;
   Eigen::Matrix3d attitude_factor;
 };
-EndNoise EvaluateNoise(const GaussHelmertEnd& end);
+PoseNoise EvaluateNoise(const GaussHelmertEnd& end);
 
 }  // namespace dn::internal

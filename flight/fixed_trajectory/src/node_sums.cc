@@ -21,7 +21,7 @@ Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation&
   Matrix3d M = pair.covariance_m2;
   int column = 3;
   for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
-    const EndNoise noise = EvaluateNoise(*end);
+    const PoseNoise noise = EvaluateNoise(*end);
     const Matrix3d L = linear.B.middleCols<3>(column) * noise.attitude_factor;
     M += noise.position + L * L.transpose();
     column += 6;

@@ -30,7 +30,7 @@ PlanePointLinearisation LinearisePlanePoint(const PlanePoint& point, double sigm
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   const internal::EndTerms terms = internal::EvaluateEnd(
       end, lever_arm_b_m, BoresightModel::kExponential, theta_rad, q_boresight, zero, zero);
-  const internal::EndNoise noise = internal::EvaluateNoise(end);
+  const internal::PoseNoise noise = internal::EvaluateNoise(end);
   const Eigen::Vector3d& n = plane.normal;
   const Eigen::Vector3d from_centre = terms.x - plane.centre_m;
   PlanePointLinearisation out;

@@ -1,4 +1,5 @@
 #include <dn/builder/flight_network.h>
+#include <dn/builder/gnss_factors.h>
 #include <dn/imu/preintegration.h>
 #include <dn/navigation/alignment.h>
 

@@ -1,5 +1,6 @@
-#include <dn/builder/edge_factors.h>
 #include <dn/builder/flight_network.h>
+#include <dn/builder/gnss_factors.h>
+#include <dn/builder/gravitation_jacobians.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/imu/strapdown.h>
 #include <dn/interrupted.h>

@@ -29,12 +29,12 @@ struct PositionInUse {
 std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
                                           const LinearizedNetwork& linearized) {
   std::vector<PositionInUse> positions;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const auto rows = linearized.FindRows(edge.position);
     if (!rows) continue;
-    const BlockId p_mb = network.nodes[edge.node].p_mb.id;
+    const BlockId p_mb = network.nodes()[edge.node].p_mb.id;
     const Eigen::Matrix3d R_m_enu =
-        network.flight().frame.R_m_enu(network.NodePose(edge.node).p_mb);
+        network.flight().frame.R_m_enu(network.trajectory().NodePose(edge.node).p_mb);
     for (const auto& [block, J] : linearized.EvaluateFactorAt(edge.position).jacobian) {
       if (block != p_mb) continue;
       positions.push_back(

@@ -16,14 +16,14 @@ constexpr double kShareOfWorst = 0.5;
 }  // namespace
 
 GnssScreening::GnssScreening(const FlightNetwork& network, const Marginals& marginals)
-    : positions_(Judge(network, marginals, &FlightNetwork::GnssEdge::position)),
-      velocities_(Judge(network, marginals, &FlightNetwork::GnssEdge::velocity)) {}
+    : positions_(Judge(network, marginals, &GnssEdge::position)),
+      velocities_(Judge(network, marginals, &GnssEdge::velocity)) {}
 
 std::vector<GnssScreening::Judged> GnssScreening::Judge(const FlightNetwork& network,
                                                         const Marginals& marginals,
-                                                        FactorId FlightNetwork::GnssEdge::*which) {
+                                                        FactorId GnssEdge::*which) {
   std::vector<Judged> judged;
-  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+  for (const GnssEdge& edge : network.gnss().edges()) {
     const FactorId id = edge.*which;
     if (id < 0) continue;
     const Prediction prediction = PredictFactor(marginals, id);

@@ -35,11 +35,11 @@ std::vector<ActivePosition> ActivePositions(const FlightNetwork& network,
                                             const LinearizedNetwork& linearized) {
   constexpr std::size_t kPositionBlock = 1, kLeverArmBlock = 2;
   std::vector<ActivePosition> positions;
-  for (std::size_t e = 0; e < network.gnss_edges.size(); ++e) {
-    const FactorId id = network.gnss_edges[e].position;
+  for (std::size_t e = 0; e < network.gnss().edges().size(); ++e) {
+    const FactorId id = network.gnss().edges()[e].position;
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    if (!linearized.FindRows(id) || !network.net.EvaluateFactor(id, &r, &J)) continue;
+    if (!linearized.FindRows(id) || !network.net().EvaluateFactor(id, &r, &J)) continue;
     positions.push_back({e, id, J[kPositionBlock], J[kLeverArmBlock], r.squaredNorm()});
   }
   return positions;
@@ -82,7 +82,7 @@ std::vector<Run> RunsBetween(const std::vector<ActivePosition>& positions,
 constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnssTimeDrift;
 
 bool IsUnknown(const FlightNetwork& network, EffectId effect) {
-  return std::any_of(network.effects.begin(), network.effects.end(),
+  return std::any_of(network.calibration().effects().begin(), network.calibration().effects().end(),
                      [&](const EffectBlock& one) { return IsEffect(one.name, effect); });
 }
 
@@ -91,17 +91,18 @@ bool IsUnknown(const FlightNetwork& network, EffectId effect) {
 class ClockModel {
  public:
   explicit ClockModel(const FlightNetwork& network)
-      : network_(network), state_(network.Calibration()) {
+      : network_(network), state_(network.calibration().State()) {
     for (const EffectId effect : {kOffset, kDrift}) {
       if (IsUnknown(network, effect)) continue;
       state_.Insert({EffectName(effect), FindEstimable(effect)->make({network.flight()}),
                      Eigen::VectorXd::Zero(1)});
     }
-    for (std::size_t e = 0; e < network.gnss_edges.size(); ++e) {
-      const FlightNetwork::GnssEdge& edge = network.gnss_edges[e];
-      Add(e, edge.position, *network.GnssPositionFactor(edge, state_), network.gnss_error);
+    for (std::size_t e = 0; e < network.gnss().edges().size(); ++e) {
+      const GnssEdge& edge = network.gnss().edges()[e];
+      Add(e, edge.position, *network.gnss().PositionFactor(edge, state_),
+          network.trajectory().gnss_error());
       if (edge.velocity < 0) continue;
-      Add(e, edge.velocity, *network.GnssVelocityFactor(edge, state_), {});
+      Add(e, edge.velocity, *network.gnss().VelocityFactor(edge, state_), {});
     }
   }
 
@@ -120,12 +121,12 @@ class ClockModel {
  private:
   void Add(std::size_t e, FactorId id, const FactorBase& factor,
            const std::vector<ProcessChain>& errors) {
-    if (!network_.net.factor(id).active) return;
-    const FlightNetwork::GnssEdge& edge = network_.gnss_edges[e];
-    const NodeBlocks& node = network_.nodes[edge.node];
+    if (!network_.net().factor(id).active) return;
+    const GnssEdge& edge = network_.gnss().edges()[e];
+    const NodeBlocks& node = network_.nodes()[edge.node];
     std::vector<const double*> x;
     for (const BlockId block :
-         {node.q_mb.id, node.p_mb.id, network_.gnss_lever_arm.id, node.v_m.id}) {
+         {node.q_mb.id, node.p_mb.id, network_.calibration().gnss_lever_arm().id, node.v_m.id}) {
       x.push_back(Value(block));
     }
     const double tag_s = network_.flight().gnss->epochs[edge.epoch].t_s;
@@ -146,7 +147,7 @@ class ClockModel {
     edge_.push_back(e);
   }
 
-  const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
+  const double* Value(BlockId id) const { return network_.net().block(id).value.get(); }
 
   const FlightNetwork& network_;
   CalibrationState state_;
@@ -174,7 +175,7 @@ Suspects AllSuspects(const FlightNetwork& network, const std::vector<ActivePosit
     suspects.causes.push_back({cause, {}, 0.0, positions[first].edge});
     suspects.effects.push_back(std::move(effect));
   };
-  if (network.net.block(network.gnss_lever_arm.id).held) {
+  if (network.net().block(network.calibration().gnss_lever_arm().id).held) {
     add(GnssMisfit::Cause::kLeverArm, 0, LeverArm(positions));
   }
   const ClockModel clock(network);

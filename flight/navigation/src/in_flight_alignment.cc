@@ -1,6 +1,6 @@
 #include "in_flight_alignment.h"
 
-#include <dn/builder/edge_factors.h>
+#include <dn/builder/gnss_factors.h>
 
 #include <Eigen/SVD>
 #include <algorithm>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
+#include <dn/builder/node_grid.h>
 #include <dn/files/flight.h>
 #include <dn/imu/preintegration.h>
 

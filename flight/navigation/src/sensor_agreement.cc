@@ -1,4 +1,5 @@
-#include <dn/builder/edge_factors.h>
+#include <dn/builder/gnss_factors.h>
+#include <dn/builder/node_grid.h>
 #include <dn/median.h>
 #include <dn/navigation/sensor_agreement.h>
 #include <dn/parallel.h>

@@ -24,7 +24,8 @@ class Truth {
   // interval.
   Eigen::Vector3d Bias(const std::vector<ProcessChain>& chains,
                        const std::vector<Eigen::Vector3d>& samples, double t_s) const {
-    double begin_s = network_.node_times().front(), end_s = network_.node_times().back();
+    double begin_s = network_.trajectory().node_times().front(),
+           end_s = network_.trajectory().node_times().back();
     for (const ProcessChain& chain : chains) {
       const auto next =
           std::upper_bound(chain.t_begin_s.begin(), chain.t_begin_s.end(), t_s + 1e-9);
@@ -56,21 +57,22 @@ void SetErrors(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance,
 EpochErrors ErrorsAt(const SimulatedFlight& simulated, const FlightNetwork& network, std::size_t k,
                      const Marginals& marginals) {
   const Truth truth(simulated, network);
-  const NodeBlocks& node = network.nodes[k];
-  const MapPose estimate = network.NodePose(k);
+  const NodeBlocks& node = network.nodes()[k];
+  const MapPose estimate = network.trajectory().NodePose(k);
   const MapPose pose = truth.Pose(node.t_s);
   EpochErrors errors;
-  errors.t_s = node.t_s - network.nodes.front().t_s;
+  errors.t_s = node.t_s - network.nodes().front().t_s;
   SetErrors(estimate.p_mb - pose.p_mb, marginals.DiagonalBlock(node.p_mb.id), 0, &errors);
   SetErrors(estimate.v_m - pose.v_m, marginals.DiagonalBlock(node.v_m.id), 1, &errors);
   SetErrors(Log(Eigen::Quaterniond(pose.q_mb.conjugate() * estimate.q_mb)),
             marginals.DiagonalBlock(node.q_mb.id), 2, &errors);
-  SetErrors(network.GyroBias(node.t_s) -
-                truth.Bias(network.gyro_bias, simulated.gyro_bias_radps, node.t_s),
-            TotalBiasCovariance(network.gyro_bias, node.t_s, marginals), 3, &errors);
-  SetErrors(network.AccelBias(node.t_s) -
-                truth.Bias(network.accel_bias, simulated.accel_bias_mps2, node.t_s),
-            TotalBiasCovariance(network.accel_bias, node.t_s, marginals), 4, &errors);
+  SetErrors(network.trajectory().GyroBias(node.t_s) -
+                truth.Bias(network.trajectory().gyro_bias(), simulated.gyro_bias_radps, node.t_s),
+            TotalBiasCovariance(network.trajectory().gyro_bias(), node.t_s, marginals), 3, &errors);
+  SetErrors(network.trajectory().AccelBias(node.t_s) -
+                truth.Bias(network.trajectory().accel_bias(), simulated.accel_bias_mps2, node.t_s),
+            TotalBiasCovariance(network.trajectory().accel_bias(), node.t_s, marginals), 4,
+            &errors);
   return errors;
 }
 
@@ -78,8 +80,8 @@ void AddTrajectoryRms(const SimulatedFlight& simulated, const FlightNetwork& net
                       FlightRecord* record) {
   Eigen::Vector3d p2 = Eigen::Vector3d::Zero(), v2 = p2, rph2 = p2;
   const LocalFrame& frame = network.flight().frame;
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    const MapPose estimate = network.NodePose(k);
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    const MapPose estimate = network.trajectory().NodePose(k);
     const MapPose truth = simulated.truth->Pose(estimate.t_s);
     p2 += (estimate.p_mb - truth.p_mb).cwiseAbs2();
     v2 += (estimate.v_m - truth.v_m).cwiseAbs2();
@@ -87,7 +89,7 @@ void AddTrajectoryRms(const SimulatedFlight& simulated, const FlightNetwork& net
                                        RollPitchHeading(ToNavPoint(truth, frame).q_nb);
     for (int i = 0; i < 3; ++i) rph2[i] += std::pow(std::remainder(difference[i], 2.0 * M_PI), 2);
   }
-  const auto n = static_cast<double>(network.nodes.size());
+  const auto n = static_cast<double>(network.nodes().size());
   record->position_rms_m = (p2 / n).cwiseSqrt();
   record->velocity_rms_mps = (v2 / n).cwiseSqrt();
   record->attitude_rms_rad = (rph2 / n).cwiseSqrt();
@@ -97,17 +99,18 @@ void AddErrors(const SimulatedFlight& simulated, const Solution& solution, doubl
                FlightRecord* record) {
   const FlightNetwork& network = solution.network();
   double next_s = 0.0;
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    if (network.nodes[k].t_s < network.nodes.front().t_s + next_s - 1e-6) continue;
+  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
+    if (network.nodes()[k].t_s < network.nodes().front().t_s + next_s - 1e-6) continue;
     record->epochs.push_back(ErrorsAt(simulated, network, k, solution.marginals()));
     next_s += epoch_spacing_s;
   }
   AddTrajectoryRms(simulated, network, record);
   if (!record->with_pairs) return;
-  const Eigen::Quaterniond q = network.net.Value(network.boresight);
+  const Eigen::Quaterniond q = network.net().Value(network.calibration().boresight());
   record->boresight_error_rad =
       Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
-  record->boresight_covariance_rad2 = solution.marginals().Covariance(network.boresight);
+  record->boresight_covariance_rad2 =
+      solution.marginals().Covariance(network.calibration().boresight());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <dn/adjustment/adjust.h>
 #include <dn/adjustment/result.h>
 #include <dn/builder/flight_nodes.h>
+#include <dn/builder/node_grid.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
 #include <dn/sim/no_overlap.h>
@@ -81,9 +82,10 @@ std::vector<MapPose> SolveInsGnss(const Flight& flight, const DesignOptions& opt
   adjust.interrupted = options.interrupted;
   const Adjustment adjustment = Adjust(flight, adjust);
   const FlightNetwork& network = *adjustment.network;
-  const double middle_s = 0.5 * (network.node_times().front() + network.node_times().back());
-  states->gyro_bias_radps = network.GyroBias(middle_s);
-  states->accel_bias_mps2 = network.AccelBias(middle_s);
+  const double middle_s =
+      0.5 * (network.trajectory().node_times().front() + network.trajectory().node_times().back());
+  states->gyro_bias_radps = network.trajectory().GyroBias(middle_s);
+  states->accel_bias_mps2 = network.trajectory().AccelBias(middle_s);
   std::vector<MapPose> poses;
   for (const NavPoint& point : DenseTrajectory(network, kPoseSpacingS)) {
     poses.push_back(ToMapPose(point, flight.frame));

@@ -17,12 +17,12 @@ constexpr double kSameSpeed = 0.1;
 /// Returns the mean height of the body above the points of pairs, over the ends of pairs within a
 /// strip; 0 without pairs.
 double HeightAboveGround(const StudyDesign& design, const StripInterval& strip) {
-  const Eigen::Matrix3d R_bs = design.flight.config.lidar->mounting.R_bs_nominal;
+  const Eigen::Matrix3d R_bs_nominal = design.flight.config.lidar->mounting.R_bs_nominal;
   double sum_m = 0.0;
   long n = 0;
   const auto add = [&](double t_s, const Eigen::Vector3d& u_s) {
     if (t_s < strip.t0_s || t_s > strip.t1_s) return;
-    sum_m -= (NearestPose(design.states.poses, t_s).q_mb * (R_bs * u_s)).z();
+    sum_m -= (NearestPose(design.states.poses, t_s).q_mb * (R_bs_nominal * u_s)).z();
     ++n;
   };
   for (const LidarPair& pair : design.flight.pairs->pairs) {

@@ -35,8 +35,8 @@ std::vector<std::string> ComponentNames(const std::string& unknown, int size) {
 std::vector<Quantity> Calibration(const FlightNetwork& network) {
   std::vector<Quantity> quantities;
   const auto add = [&](const std::string& unknown) {
-    const BlockId id = network.net.Find(unknown);
-    const BlockRecord& record = network.net.block(id);
+    const BlockId id = network.net().Find(unknown);
+    const BlockRecord& record = network.net().block(id);
     const int size = record.kind.tangent_size;
     quantities.push_back({unknown,
                           ComponentNames(unknown, size),
@@ -70,14 +70,16 @@ std::vector<Quantity> ListCorrelatedErrors(const FlightNetwork& network) {
   const std::vector<std::string> xyz{"x", "y", "z"}, enu{"east", "north", "up"};
   const auto as_is = [](std::size_t) { return Eigen::MatrixXd::Identity(3, 3).eval(); };
   std::vector<Quantity> all;
-  AppendTotal(network.gyro_bias, t_s, {"gyro_bias", xyz, "deg/h", kDegPerHour, false, {}}, as_is,
-              &all);
-  AppendTotal(network.accel_bias, t_s, {"accel_bias", xyz, "mg", mg, false, {}}, as_is, &all);
+  AppendTotal(network.trajectory().gyro_bias(), t_s,
+              {"gyro_bias", xyz, "deg/h", kDegPerHour, false, {}}, as_is, &all);
+  AppendTotal(network.trajectory().accel_bias(), t_s, {"accel_bias", xyz, "mg", mg, false, {}},
+              as_is, &all);
   const auto in_sigmas = [&](std::size_t k) {
     const Eigen::Vector3d sigma_m = network.flight().config.gnss->processes[k].sigma_enu_m;
     return Eigen::MatrixXd(sigma_m.asDiagonal());
   };
-  AppendTotal(network.gnss_error, t_s, {"gnss_error", enu, "m", 1.0, false, {}}, in_sigmas, &all);
+  AppendTotal(network.trajectory().gnss_error(), t_s, {"gnss_error", enu, "m", 1.0, false, {}},
+              in_sigmas, &all);
   return all;
 }
 

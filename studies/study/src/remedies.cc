@@ -73,7 +73,7 @@ RemedyTrials::Sigmas RemedyTrials::SigmasWith(const Scenario& scenario,
     const StudyDesign design = MakeDesign(scenario, options);
     const FlightNetwork network = Build(design.flight, design.states);
     const JointCovariance joint =
-        CalibrationCovariance(network, Marginals(network.net, {.threads = options.threads}));
+        CalibrationCovariance(network, Marginals(network.net(), {.threads = options.threads}));
     Sigmas sigmas;
     for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
       const JointUnknown& unknown = joint.unknowns[i];

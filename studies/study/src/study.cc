@@ -36,13 +36,14 @@ StripSigmas SigmasOnStrips(const std::vector<TrajectorySigma>& trajectory,
 
 void FillCounts(const Solution& solution, StudyResult* result) {
   const FlightNetwork& network = solution.network();
-  result->nodes = static_cast<long>(network.nodes.size());
+  result->nodes = static_cast<long>(network.nodes().size());
   result->parameters = solution.marginals().num_parameters();
   const auto [first, past] =
-      SampleRange(*network.flight().imu, network.node_times().front(), network.node_times().back());
+      SampleRange(*network.flight().imu, network.trajectory().node_times().front(),
+                  network.trajectory().node_times().back());
   result->imu_epochs = static_cast<long>(past - first);
-  result->gnss_epochs = static_cast<long>(network.gnss_edges.size());
-  result->pairs = static_cast<long>(network.pair_edges.size());
+  result->gnss_epochs = static_cast<long>(network.gnss().edges().size());
+  result->pairs = static_cast<long>(network.pairs().edges().size());
 }
 
 }  // namespace
@@ -66,8 +67,8 @@ StudyResult Study(const StudyDesign& design, const Solution& solution) {
   result.source = design.source;
   result.geometry = ComputeGeometry(design);
   result.boresight = solution.Boresight();
-  result.correlations =
-      BiasCorrelationOverTime(network, marginals, marginals.SolveColumns({network.boresight.id}));
+  result.correlations = BiasCorrelationOverTime(
+      network, marginals, marginals.SolveColumns({network.calibration().boresight().id}));
   result.trajectory = TrajectorySigmas(network, marginals);
   result.strips = SigmasOnStrips(result.trajectory, design.strips);
   const JointCovariance joint = CovarianceWithErrors(network, marginals);

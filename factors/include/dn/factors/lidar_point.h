@@ -1,6 +1,5 @@
 #pragma once
 
-#include <dn/factors/node_bridge.h>
 #include <dn/factors/state_after_node.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/preintegration.h>
@@ -8,29 +7,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <memory>
 
 namespace dn {
-
-/// One end of a point pair: the data that lead from the node before the lidar epoch to the point.
-struct LidarEnd {
-  /// Increments from the node to the lidar epoch, corrected with the current biases.
-  /// IdentityIncrement if the epoch is that of the node.
-  Preintegrated partial;
-  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();  ///< laser vector in the sensor frame, m
-  /// Nominal position of the node, where gravitation is evaluated.
-  Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();
-  /// Conditions the increments on the attitude of the node after the epoch; null: unconditioned.
-  std::shared_ptr<const IncrementConditioning> bridge = {};
-};
-
-/// Returns the covariance (m^2, map axes) that the white noise of the partial increments adds to
-/// the georeferenced point. It follows from rotation, position and their correlation in R_mb (dR
-/// l_b + dp). With a bridge it is the covariance conditioned on the next node. R_mb is the attitude
-/// of the node; l_b is lever arm plus laser vector in body at the lidar epoch, m. Add the result of
-/// both ends to the covariance of the pair's difference.
-Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
-                         const Eigen::Vector3d& l_b);
 
 /// The georeferenced point of a laser vector as a function of the node before its epoch and of the
 /// mounting. It is the building block of factors on lidar points.
@@ -47,8 +25,8 @@ class LidarPoint {
   LidarPoint(const LocalFrame& frame, const Preintegrated& partial,
              const Eigen::Vector3d& p_nominal_m);
 
-  /// Returns the point in map, m. u_b is the laser vector in the body axes, T_bs u_s, before
-  /// rotation by the boresight.
+  /// Returns the point in map, m. u_b is the laser vector in the body axes before rotation by the
+  /// boresight, R_bs_nominal u_s.
   template <class T>
   Eigen::Matrix<T, 3, 1> At(const Eigen::Quaternion<T>& q, const Eigen::Matrix<T, 3, 1>& p,
                             const Eigen::Matrix<T, 3, 1>& v,

@@ -13,7 +13,7 @@ namespace dn {
 /// The columns of any effect, whether the factor has it or not, follow from them
 /// (AddEffectJacobians).
 struct PointSensitivity {
-  Eigen::Matrix3d u_b;        ///< laser vector T_bs u_s, m
+  Eigen::Matrix3d u_b;        ///< laser vector R_bs_nominal u_s, m
   Eigen::Matrix3d turn_b;     ///< rotation added to the rotation vector of the boresight, rad
   Eigen::Matrix3d lever_arm;  ///< m
   Eigen::Vector3d delay;      ///< delay of the time tag, s
@@ -46,8 +46,8 @@ struct EffectsOnPoint {
 };
 
 /// Adds d residual / d value to `sum`. Its columns are those of the lidar effects, then of the
-/// inertial effects, then of the effects on gravitation. T_bs is the nominal mounting.
+/// inertial effects, then of the effects on gravitation. R_bs_nominal is the mounting matrix.
 void AddEffectJacobians(const PointSensitivity& point, const EffectsOnPoint& effects,
-                        const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum);
+                        const Eigen::Matrix3d& R_bs_nominal, Eigen::Ref<Eigen::Matrix3Xd> sum);
 
 }  // namespace dn

@@ -3,8 +3,8 @@
 #include <dn/factor.h>
 #include <dn/factors/lidar_point.h>
 #include <dn/factors/point_sensitivity.h>
+#include <dn/factors/prepared_pair.h>
 #include <dn/geo/local_frame.h>
-#include <dn/noise.h>
 
 #include <Eigen/Core>
 #include <optional>
@@ -34,26 +34,19 @@ class PointPairFactor {
   PointPairFactor& operator=(const PointPairFactor&) = default;
 };
 
-namespace internal {
-
-/// Checks both ends and the mounting; throws InvalidInput as PointToPoint does.
-void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d& T_bs_nominal);
-
-}  // namespace internal
-
 /// One ground point observed at two epochs.
 ///
 ///   r   = W (x_i - x_j)                                                       [3], unitless
 ///
-/// with the LidarPoint x of each end, u_b = T_bs u_s and ddt = dt - dt_nominal. The time tag in the
-/// file is t + dt; the partial increments end at tag - dt_nominal.
+/// with the LidarPoint x of each end, u_b = R_bs_nominal u_s and ddt = dt - dt_nominal. The time
+/// tag in the file is t + dt; the partial increments end at tag - dt_nominal.
 ///
 ///   block | symbol      | stored | tangent | meaning
 ///   ------|-------------|--------|---------|-----------------------------------------------------
 ///    0, 3 | q_mb        |   4    |    3    | rotation body -> map of the node at i, j (x, y, z, w)
 ///    1, 4 | p_mb        |   3    |    3    | body origin in map of the node, m
 ///    2, 5 | v_m         |   3    |    3    | velocity of the node with respect to the Earth, m/s
-///     6   | q_boresight |   4    |    3    | Exp(theta), left of T_bs, about the body axes
+///     6   | q_boresight |   4    |    3    | Exp(theta), left of R_bs_nominal, about the body axes
 ///     7   | a_b         |   3    |    3    | lidar lever arm in body, m
 ///     8   | dt          |   1    |    1    | time offset of the lidar tags, s
 ///
@@ -68,13 +61,10 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
                                          Vec<3>, Vec<3>, LeftRotation, Vec<3>, Vec<1>>,
                            public PointPairFactor {
  public:
-  /// Creates the factor. T_bs_nominal is the mounting matrix sensor -> body. dt_nominal_s is the
-  /// time offset that was used to choose the end of the partial increments. noise_m is the noise of
-  /// the difference of the two points in map axes. Throws InvalidInput if a laser vector is zero,
-  /// or if it, a nominal position, the mounting matrix or the offset is not finite. Also throws if
-  /// the mounting matrix is not a rotation (1e-6), or if an end has a bridge.
-  PointToPoint(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
-               const Eigen::Matrix3d& T_bs_nominal, double dt_nominal_s, const Noise<3>& noise_m);
+  /// Throws InvalidInput if a laser vector is zero, or if it, a nominal position, the mounting
+  /// matrix or the offset is not finite. Also throws if the mounting matrix is not a rotation
+  /// (1e-6), or if an end has a bridge.
+  PointToPoint(const LocalFrame& frame, const PreparedPair& pair);
 
   template <class T>
   bool Residual(const T* q_i, const T* p_i, const T* v_i, const T* q_j, const T* p_j, const T* v_j,
@@ -106,7 +96,7 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
                                   double const* const* x) const;
 
   LidarPoint i_, j_;
-  Eigen::Vector3d u_i_b_, u_j_b_;  // T_bs_nominal u_s
+  Eigen::Vector3d u_i_b_, u_j_b_;  // R_bs_nominal u_s
   double dt_nominal_s_;
   Eigen::Matrix3d W_;
 };

@@ -5,7 +5,6 @@
 #include <dn/factors/node_bridge.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
-#include <dn/noise.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -38,13 +37,10 @@ namespace dn {
 /// Jacobians are analytic, with the tangents of PointToPoint.
 class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFactor {
  public:
-  /// Creates the factor. The tags are those of the file; the partial increments may end some ms
-  /// before or after tag - dt - delay. Both ends must have the same inertial effects. Throws
-  /// InvalidInput as PointToPoint does.
-  PointToPointBetweenNodes(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
-                           double tag_i_s, double tag_j_s, const Eigen::Matrix3d& T_bs_nominal,
-                           LidarEffects lidar, std::vector<GravitationBasis> attraction,
-                           const Noise<3>& noise_m);
+  /// The partial increments may end some ms before or after tag - dt - delay. Both ends must have
+  /// the same inertial effects. Throws InvalidInput as PointToPoint does.
+  PointToPointBetweenNodes(const LocalFrame& frame, const PreparedPair& pair, LidarEffects lidar,
+                           std::vector<GravitationBasis> attraction);
 
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
@@ -71,7 +67,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
     IncrementConditioning::Correction bridged;
   };
 
-  static End MakeEnd(const LocalFrame& frame, const LidarEnd& end, double tag_s, std::size_t node,
+  static End MakeEnd(const LocalFrame& frame, const LidarEnd& end, std::size_t node,
                      std::size_t node_after);
   EndAt At(const End& end, double const* const* x) const;
   Eigen::Index NumEffectValues() const;
@@ -93,7 +89,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   LidarEffects lidar_;
   ImuEffectValues imu_;  // values at the linearisation
   std::vector<GravitationBasis> attraction_;
-  Eigen::Matrix3d T_bs_;
+  Eigen::Matrix3d R_bs_nominal_;
   Eigen::Matrix3d W_;
   End i_, j_;
 };

@@ -8,10 +8,10 @@
 
 namespace dn {
 
-/// Mounting of the scanner s on the body b: u_b = Exp([theta]x) T_s^b* u_s, a vector from the
+/// Mounting of the scanner s on the body b: u_b = Exp([theta]x) R_bs_nominal u_s, a vector from the
 /// scanner origin.
 struct Mounting {
-  Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();  ///< T_s^b*, sensor to nominal body
+  Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();  ///< scanner to body
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();     ///< scanner origin in body
   /// theta, rotation vector about the body axes.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
@@ -21,11 +21,11 @@ struct Mounting {
 /// (orthonormal, determinant +1).
 Eigen::Matrix3d CheckedRotation(const Eigen::Matrix3d& R);
 
-/// Returns the laser vector in body: Exp([theta]x) T_s^b* u_s, m.
+/// Returns the laser vector in body: Exp([theta]x) R_bs_nominal u_s, m.
 Eigen::Vector3d LaserVectorInBody(const Mounting& mounting, const Eigen::Vector3d& u_s);
 
-/// Returns the laser vector in the sensor frame, T_s^b*^T Exp(-[theta]x) u_b, m: the inverse of
-/// LaserVectorInBody.
+/// Returns the laser vector in the sensor frame, R_bs_nominal^T Exp(-[theta]x) u_b, m: the inverse
+/// of LaserVectorInBody.
 Eigen::Vector3d LaserVectorInSensor(const Mounting& mounting, const Eigen::Vector3d& u_b);
 
 /// Georeferences a laser vector directly: p_m = p_mb + R_mb (u_b + a_b), m (paper eq. 1).

@@ -29,16 +29,16 @@ struct CloudCounts {
 /// of a flight do not fit into memory. For each pulse at the true epoch t, with the true
 /// trajectory, boresight theta, lever arm a and beam direction d in the sensor frame (ScanTiming):
 ///
-///   range r:  p_mb + R_mb (a + r Exp([theta]x) T d')  is the first point of the surface
+///   range r:  p_mb + R_mb (a + r Exp([theta]x) R_bs d')  is the first point of the surface
 ///   u = measured(r d) + noise along the beam
-///   p = p_mb + R_mb (T u + a'), at the epoch t + tag shift
+///   p = p_mb + R_mb (R_bs u + a'), at the epoch t + tag shift
 ///
 /// where
 ///
 ///   d'          d rotated by a random angle of divergence / 4 about each of two axes: the place in
 ///               the footprint from which the return comes
 ///   measured()  the lidar effects
-///   T, a'       assumed mounting without boresight, and assumed lever arm
+///   R_bs, a'    R_bs_nominal of the mounting, and assumed lever arm
 ///
 /// Software computes the points p in this way before a calibration.
 class SimulatedClouds {

@@ -29,7 +29,8 @@ struct NetworkDesign {
 ///   dn::Flight plan = ...;                       // config, frame, and pairs with laser vectors
 ///   dn::PlanMeasurements({poses}, {}, &plan);
 ///   const dn::FlightNetwork network = dn::Build(plan, {poses});
-///   const Eigen::Matrix3d covariance = dn::MarginalCovariance(network.net, network.boresight);
+///   const Eigen::Matrix3d covariance =
+///       dn::MarginalCovariance(network.net(), network.calibration().boresight());
 ///
 /// The flight must outlive the network, so a temporary flight does not compile. Throws InvalidInput
 /// if the flight has no inertial data or the poses do not cover the nodes, and like the constructor

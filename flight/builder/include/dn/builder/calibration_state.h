@@ -23,7 +23,7 @@ struct CalibrationValue {
 /// All calibration values of a flight. The filter, the preintegrated increments, the factors and
 /// the trajectory between the nodes correct the data with them.
 struct CalibrationState {
-  /// Exp(theta), multiplies T_bs from the left
+  /// Exp(theta), multiplies R_bs_nominal from the left
   Eigen::Quaterniond q_boresight = Eigen::Quaterniond::Identity();
   Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();

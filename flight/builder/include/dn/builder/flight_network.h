@@ -1,62 +1,24 @@
 #pragma once
 
-#include <dn/builder/calibration_state.h>
-#include <dn/builder/edge_factors.h>
-#include <dn/builder/node_grid.h>
-#include <dn/builder/process_chain.h>
+#include <dn/builder/calibration_blocks.h>
+#include <dn/builder/edge_context.h>
+#include <dn/builder/gnss_edges.h>
+#include <dn/builder/inertial_edges.h>
+#include <dn/builder/pair_edges.h>
 #include <dn/builder/state_function_factor.h>
-#include <dn/factors/point_sensitivity.h>
-#include <dn/factors/point_to_point.h>
-#include <dn/factors/preintegrated_inertial.h>
+#include <dn/builder/trajectory_graph.h>
 #include <dn/factors/state_after_node.h>
 #include <dn/files/flight.h>
-#include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
 #include <dn/network.h>
 
-#include <Eigen/Core>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
-#include <span>
 #include <vector>
 
 namespace dn {
 
-/// The blocks of one trajectory node.
-struct NodeBlocks {
-  double t_s = 0.0;
-  Block<Rotation> q_mb;
-  Block<Vec<3>> p_mb;
-  Block<Vec<3>> v_m;
-};
-
-/// An effect that is a block of the network.
-struct EffectBlock {
-  std::string name;
-  EffectAction action;
-  BlockId id = -1;
-};
-
-/// Initial values of the trajectory, of the biases and of the calibration.
-struct InitialStates {
-  std::vector<MapPose> nodes;  ///< one per node time
-  Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
-  std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
-};
-
 class FlightNetwork;
-
-/// A user-defined factor for point pairs that replaces MakePairFactor.
-struct PairModel {
-  /// Additional unknowns. The blocks of the factor are the nine blocks of PointToPoint, then these.
-  std::vector<BlockId> blocks;
-  /// Makes the factor of a pair. Called for every pair, and again whenever its increments are
-  /// integrated again. The factor must also derive from PointPairFactor.
-  std::function<std::shared_ptr<const FactorBase>(const Flight&, const PairParts&)> make;
-};
 
 /// The options of a FlightNetwork.
 struct FlightNetworkOptions {
@@ -75,54 +37,29 @@ struct FlightNetworkOptions {
   int threads = 1;
 };
 
-/// The network of one flight, which `dn smooth` and `dn calibrate` solve. `net` is an ordinary
-/// Network: you can add your own blocks and factors before solving, and they are treated like all
-/// others.
+/// The network of one flight, which `dn smooth` and `dn calibrate` solve: a TrajectoryGraph,
+/// CalibrationBlocks, and the edges of each sensor. net() is an ordinary Network: you can add your
+/// own blocks and factors before solving, and they are treated like all others.
 ///
-/// Block names: "q_mb/<k>", "p_mb/<k>", "v_m/<k>"; "gyro_bias/<process>/<k>", "accel_bias/...",
-/// "gnss_error/..."; "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and
-/// every other effect of `estimate` by its name. Factor groups: "inertial", "gnss position", "gnss
-/// velocity", "lidar p2p", "bias process", "gnss error process", "prior".
+/// The block names are in CalibrationBlocks and TrajectoryGraph. Factor groups: "inertial", "gnss
+/// position", "gnss velocity", "lidar p2p", "bias process", "gnss error process", "prior".
 class FlightNetwork {
  public:
-  /// Builds the inertial, GNSS and bias parts with nodes at node_t_s. A GNSS epoch is attached to
-  /// the node at its time under the initial calibration (GnssEpochTime); an epoch without such a
-  /// node is left out. The flight must outlive the network. Throws InvalidInput if the IMU data do
-  /// not cover the nodes.
+  /// Builds the inertial, GNSS and bias parts with nodes at node_t_s. The flight must outlive the
+  /// network. Throws InvalidInput if the IMU data do not cover the nodes.
   FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                 const InitialStates& initial, const FlightNetworkOptions& options = {});
   FlightNetwork(const Flight&& flight, const std::vector<double>& node_t_s,
                 const InitialStates& initial, const FlightNetworkOptions& options = {}) = delete;
 
-  /// Adds one factor per pair, attached to the node before each of its epochs. Call it with a
-  /// trajectory that is already good, because the noise of the partial increments is evaluated only
-  /// once. Throws InvalidInput if a PairModel returns a factor that is not a PointPairFactor, or if
-  /// effects of `estimate` act on pairs that have a PairModel.
+  /// Adds one factor per pair. Call it with a trajectory that is already good, because the noise of
+  /// the partial increments is evaluated only once. Throws like PairEdges::SetModel and
+  /// PairEdges::Add.
   void AddPairs(const std::vector<LidarPair>& pairs);
 
-  /// Integrates all increments again at the present biases and calibration, and moves the expansion
-  /// point of gravity to the present positions. Factors replaced by the caller
-  /// (Network::ReplaceFactor) stay unchanged.
+  /// Makes the factors of all edges again at the present biases and calibration. Factors replaced
+  /// by the caller (Network::ReplaceFactor) stay unchanged.
   void Repreintegrate();
-
-  /// Returns the largest change of a bias or effect since the last preintegration. The units are 30
-  /// deg/h (gyro), 5 mg (accelerometer) and ten typical sizes (effects). At a hundredth of such a
-  /// unit, the error of the first-order correction is far below the noise of every increment.
-  double BiasChange() const;
-
-  /// Returns the present calibration values.
-  CalibrationState Calibration() const;
-
-  /// These two functions return the sum of the bias processes at t_s for each axis, rad/s and
-  /// m/s^2.
-  Eigen::Vector3d GyroBias(double t_s) const;
-  Eigen::Vector3d AccelBias(double t_s) const;
-
-  /// Returns the sum of the time-correlated errors of a GNSS position at t_s, local east, north,
-  /// up, m.
-  Eigen::Vector3d GnssErrorEnu(double t_s) const;
-
-  MapPose NodePose(std::size_t k) const;
 
   /// The state at any time as a function of the node before it, at the present biases and
   /// calibration. Use it to inspect a state; a factor made from it would treat the biases as
@@ -148,168 +85,48 @@ class FlightNetwork {
   template <class Function, int R, class... Own>
   FactorId AddAt(double t_s, Function function, const Noise<R>& noise, Block<Own>... own) {
     const StateBetween at = StateAt(t_s);
-    std::vector<BlockId> blocks = StateBlocks(at.node);
-    (blocks.push_back(net.Id(own)), ...);
+    std::vector<BlockId> blocks = trajectory().NodeIds(at.node);
+    const std::vector<BlockId> biases = trajectory().BiasIds(at.node);
+    blocks.insert(blocks.end(), biases.begin(), biases.end());
+    (blocks.push_back(net().Id(own)), ...);
     using F = StateFunctionFactor<Function, R, Own...>;
-    return net.AddFactor(std::make_shared<F>(std::move(function), noise, at.state, at.increments,
-                                             gyro_bias.size(), accel_bias.size()),
-                         blocks);
+    return net().AddFactor(
+        std::make_shared<F>(std::move(function), noise, at.state, at.increments,
+                            trajectory().gyro_bias().size(), trajectory().accel_bias().size()),
+        blocks);
   }
 
-  /// The functions below return the factor of an edge for another calibration at the present
-  /// trajectory and biases. Its blocks are those of the edge, then the effects of the calibration
-  /// in the order of InertialEffectIndices or GnssEffectIndices.
-  struct InertialEdge;
-  struct GnssEdge;
-  struct PairEdge;
-  std::shared_ptr<const PreintegratedInertial> InertialFactor(
-      const InertialEdge& edge, const CalibrationState& calibration) const;
-  /// Returns the factor of InertialFactor without integrating the increments again: they are those
-  /// in use. Only their derivatives with respect to the effects are integrated, over the averaged
-  /// samples `imu` (AverageSamples).
-  std::shared_ptr<const PreintegratedInertial> InertialFactorByMeans(
-      const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const;
-  std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
-                                                       const CalibrationState& calibration) const;
-  std::shared_ptr<const FactorBase> GnssVelocityFactor(const GnssEdge& edge,
-                                                       const CalibrationState& calibration) const;
+  /// The handles of the parts are valid for net() and for copies of it.
+  Network& net() { return parts_->net; }
+  const Network& net() const { return parts_->net; }
 
-  /// One end of pair edge k.
-  struct PairEndIndex {
-    std::size_t k = 0;
-    PointPairFactor::End end = PointPairFactor::End::kI;
-  };
-  /// Returns the sensitivity of the pair residual to a shift of the point of one end, at the
-  /// present unknowns. If the factor of the pair does not provide it, the factor of the library is
-  /// used instead.
-  PointSensitivity EndSensitivity(const PairEndIndex& end) const;
-
-  /// Calls use(end, increments) for all pair ends. The increments go from the node to the epoch of
-  /// the end under the given calibration, without noise, over the averaged samples `imu`
-  /// (AverageSamples). Ends of different nodes are visited in parallel, so that `use` must be
-  /// thread-safe.
-  using UsePairEnd = std::function<void(const PairEndIndex&, const Preintegrated&)>;
-  void ForPairEnds(const CalibrationState& calibration, const ImuData& imu, int threads,
-                   const UsePairEnd& use) const;
-
-  /// Returns the difference p_i - p_j of the two points of pair edge k at the present unknowns, m,
-  /// map axes. Throws InvalidInput if the factor was replaced by one that is not a PointPairFactor.
-  Eigen::Vector3d PairDifference(std::size_t k) const;
-
-  /// Returns the number of blocks that a PairModel appends to every pair; 0 without a PairModel.
-  std::size_t num_own_pair_blocks() const { return pair_model_ ? pair_model_->blocks.size() : 0; }
-
-  const Flight& flight() const { return *flight_; }
-  const std::vector<double>& node_times() const { return node_t_s_; }
-
-  Network net;
-  std::vector<NodeBlocks> nodes;
-  std::vector<ProcessChain> gyro_bias;
-  std::vector<ProcessChain> accel_bias;
-  /// One chain per entry of gnss.processes: east, north, up in units of the sigmas of the process
-  /// (see CorrelatedGnssError).
-  std::vector<ProcessChain> gnss_error;
-  Block<LeftRotation> boresight;
-  Block<Vec<3>> gnss_lever_arm;
-  Block<Vec<3>> lidar_lever_arm;
-  Block<Vec<1>> lidar_time_offset;
-  std::vector<EffectBlock> effects;  ///< in the order of EstimableEffects
-
-  struct InertialEdge {
-    std::size_t node_i = 0;
-    FactorId id = -1;
-  };
-  struct GnssEdge {
-    std::size_t node = 0;
-    std::size_t epoch = 0;  ///< index into flight().gnss->epochs
-    FactorId position = -1;
-    FactorId velocity = -1;  ///< -1: the velocity is not used
-  };
-  struct PairEdge {
-    LidarPair pair;
-    std::size_t node_i = 0;
-    std::size_t node_j = 0;
-    /// Indices of the inertial edges that condition the noise of the ends (IncrementConditioning).
-    /// Absent: the white noise of the partial increments is negligible relative to the noise of the
-    /// pair.
-    std::optional<std::size_t> bridge_i = {};
-    std::optional<std::size_t> bridge_j = {};
-    FactorId id = -1;
-  };
-  std::vector<InertialEdge> inertial_edges;
-  std::vector<GnssEdge> gnss_edges;
-  std::vector<PairEdge> pair_edges;
-  long pairs_within_one_node = 0;  ///< pairs left out because both ends attach to the same node
-  /// Pairs left out because an IMU gap lies between an end and its node.
-  long pairs_in_imu_gaps = 0;
+  const Flight& flight() const { return parts_->context.flight; }
+  const CalibrationBlocks& calibration() const { return parts_->calibration; }
+  const TrajectoryGraph& trajectory() const { return parts_->trajectory; }
+  /// Returns the blocks of the nodes of trajectory().
+  const std::vector<NodeBlocks>& nodes() const { return trajectory().nodes(); }
+  const InertialEdges& inertial() const { return parts_->inertial; }
+  const GnssEdges& gnss() const { return parts_->gnss; }
+  const PairEdges& pairs() const { return parts_->pairs; }
 
  private:
-  /// Returns the blocks of node k, then the bias blocks that apply there.
-  std::vector<BlockId> StateBlocks(std::size_t k) const;
-  /// Returns the biases at node k, without effects.
-  ImuCorrection BiasesAt(std::size_t k) const;
-  /// Returns pointers to the values of the blocks of pair edge k.
-  std::vector<const double*> PairValues(std::size_t k) const;
-  void AddMounting(const CalibrationState& calibration);
-  void AddNodes(const InitialStates& initial);
-  void AddBiases(const InitialStates& initial);
-  void AddGnssErrors();
-  double ConstantIntervalLength(const BiasProcess& process) const;
-  void AddInertialEdges();
-  void AddGnssEdges();
-  bool Estimated(const std::string& unknown) const;
-  void AddEffects(const CalibrationState& calibration);
-  void AddPriors();
-  void AppendEffects(const std::vector<std::size_t>& indices, std::vector<BlockId>* blocks) const;
-  bool MovesLidarEpochs() const;
-  PairEdge AttachToNodes(const LidarPair& pair, double margin_s) const;
-  void Bridge(PairEdge* edge) const;
-  std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
-  /// Returns the factors of all inertial edges for this calibration.
-  std::vector<std::shared_ptr<const PreintegratedInertial>> InertialFactors(
-      const CalibrationState& calibration) const;
-  std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(const InertialEdge& edge) const;
-  std::shared_ptr<const PreintegratedInertial> InertialFactorOn(
-      const Preintegrated& increments, const InertialEdge& edge,
-      const CalibrationState& calibration) const;
-  /// Increments from the nodes to the epochs of both ends of a pair.
-  struct PairIncrements {
-    Preintegrated i, j;
-  };
-  /// Integrates the increments of these pair edges at the present biases. Samples that several ends
-  /// of a node share are integrated once.
-  std::vector<PairIncrements> IntegratePairIncrements(std::span<const PairEdge> edges,
-                                                      const PairCalibration& calibration) const;
-  PairEdgeInput MakeEdgeInput(const PairEdge& edge, const PairIncrements& increments) const;
-  /// Returns the factor of a pair as it is without a PairModel.
-  std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
-                                               const PairCalibration& calibration,
-                                               const PairIncrements& increments) const;
-  std::shared_ptr<const FactorBase> ModelPairFactor(const PairEdge& edge,
-                                                    const PairCalibration& calibration,
-                                                    const PairIncrements& increments) const;
-  /// Calls work(edge, make) for all pair edges in their order. make() returns the factor of the
-  /// edge and may be called once. A PairModel is called from one thread only.
-  template <class Work>
-  void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
-                const Work& work) const;
-  void RequestPairModel();
-  FactorId AddEdge(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks,
-                   const FactorGroup& group, double t_s);
-  template <class Make>
-  void Renew(FactorId id, const Make& make);
+  /// The parts refer to each other, so that they must not move.
+  struct Parts {
+    Parts(const Flight& flight, const std::vector<double>& node_t_s, const InitialStates& initial,
+          const FlightNetworkOptions& options);
 
-  const Flight* flight_;
-  std::vector<double> node_t_s_;
-  FlightNetworkOptions options_;
-  PreintegrationNoise noise_;
-  /// Biases at the last preintegration, one per inertial edge.
-  std::vector<Eigen::Vector3d> linearised_gyro_bias_;
-  std::vector<Eigen::Vector3d> linearised_accel_bias_;
-  CalibrationState linearised_;
-  std::optional<PairModel> pair_model_;
-  // The factors that this class made for the edges.
-  std::map<FactorId, std::weak_ptr<const FactorBase>> made_;
+    Network net;
+    CalibrationBlocks calibration;
+    TrajectoryGraph trajectory;
+    MadeFactors factors;
+    EdgeContext context;
+    InertialEdges inertial;
+    GnssEdges gnss;
+    PairEdges pairs;
+  };
+
+  std::function<PairModel(FlightNetwork&)> make_pair_model_;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace dn

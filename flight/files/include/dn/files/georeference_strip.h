@@ -58,10 +58,13 @@ struct GeoreferencedStrip {
 
 /// Recomputes the coordinates of points:
 ///
-///   p = p_mb + R_mb (Exp([theta]x) T u + a)
+///   p = p_mb + R_mb (Exp([theta]x) R_bs_nominal u + a)
 ///
-/// with the laser vectors u of the file. If the file has none, u = T^T Exp(-[theta']x) (R'_mb^T (p'
-/// - p'_mb) - a') for its points p'. The primed quantities are the trajectory and the mounting from
+/// with the laser vectors u of the file. If the file has none,
+///
+///   u = R_bs_nominal^T Exp(-[theta']x) (R'_mb^T (p' - p'_mb) - a')
+///
+/// for its points p'. The primed quantities are the trajectory and the mounting from
 /// which the points were computed (FindVectorOrigin). The new file records its boresight unless the
 /// old one was only assumed. Poses are interpolated with InterpolatePose.
 class StripGeoreferencer {

@@ -40,7 +40,8 @@ std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section);
 
 /// The mounting of a scanner and its scan axes.
 struct ScannerAxes {
-  Eigen::Matrix3d R_bs = Eigen::Matrix3d::Identity();  ///< `R_sensor_to_body` for a body in FRD
+  Eigen::Matrix3d R_bs_nominal =
+      Eigen::Matrix3d::Identity();  ///< `R_sensor_to_body` for a body in FRD
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
 };

@@ -21,7 +21,7 @@ struct GaussHelmertEnd {
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   /// Standard deviation of roll, pitch, heading.
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  /// Laser vector rotated by the nominal mounting T into the body frame, T u_s, m.
+  /// Laser vector in the body frame before rotation by the boresight, R_bs_nominal u_s, m.
   Eigen::Vector3d u_b = Eigen::Vector3d::Zero();
 };
 
@@ -46,9 +46,9 @@ struct GaussHelmertProblem {
 
 /// Model of the rotation of a laser vector by the boresight theta.
 enum class BoresightModel {
-  /// u = Exp([theta]x) T u_s, linearised at the current theta; theta <- Log(Exp(d) Exp(theta)).
+  /// u = Exp([theta]x) u_b, linearised at the current theta; theta <- Log(Exp(d) Exp(theta)).
   kExponential,
-  kSmallAngle,  ///< u = (I + [theta]x) T u_s, as in the paper; theta <- theta + d
+  kSmallAngle,  ///< u = (I + [theta]x) u_b, as in the paper; theta <- theta + d
 };
 
 /// Options of the Gauss-Helmert adjustment.

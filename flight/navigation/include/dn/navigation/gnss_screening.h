@@ -38,7 +38,7 @@ class GnssScreening {
     bool active;
   };
   static std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& marginals,
-                                   FactorId FlightNetwork::GnssEdge::*which);
+                                   FactorId GnssEdge::*which);
   static double WorstNearby(const std::vector<Judged>& judged, std::size_t k);
   static long Apply(const std::vector<Judged>& judged, const std::set<FactorId>& out_for_good,
                     double noise_ratio, Network* net);

@@ -12,7 +12,7 @@ namespace dn {
 
 /// A common offset of a run of consecutive GNSS epochs.
 struct GnssJump {
-  std::size_t first = 0;  ///< indices into FlightNetwork::gnss_edges, both included
+  std::size_t first = 0;  ///< indices into FlightNetwork::gnss().edges(), both included
   std::size_t last = 0;
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< map axes
   double statistic = 0.0;                              ///< chi-square of three
@@ -37,7 +37,7 @@ struct GnssMisfit {
   Cause cause = Cause::kLeverArm;
   Eigen::VectorXd estimate;  ///< first-order estimate, see Cause
   double statistic = 0.0;
-  std::size_t first = 0;  ///< index into FlightNetwork::gnss_edges
+  std::size_t first = 0;  ///< index into FlightNetwork::gnss().edges()
 };
 
 /// Returns the single cause of the misfit of the GNSS positions and velocities, from score tests,

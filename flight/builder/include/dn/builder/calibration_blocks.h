@@ -1,0 +1,61 @@
+#pragma once
+
+#include <dn/builder/calibration_state.h>
+#include <dn/files/flight.h>
+#include <dn/network.h>
+
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// An effect that is a block of the network.
+struct EffectBlock {
+  std::string name;
+  EffectAction action;
+  BlockId id = -1;
+};
+
+/// The calibration unknowns of a flight as blocks of a network, with their priors.
+///
+/// Block names: "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every
+/// other effect of `estimate` by its name. A block that the configuration does not estimate is
+/// constant.
+class CalibrationBlocks {
+ public:
+  /// Adds the blocks with the values of `initial`, and the priors of the configuration. The flight
+  /// and the network must outlive the object.
+  CalibrationBlocks(const Flight& flight, const CalibrationState& initial, Network* net);
+
+  Block<LeftRotation> boresight() const { return boresight_; }
+  Block<Vec<3>> gnss_lever_arm() const { return gnss_lever_arm_; }
+  Block<Vec<3>> lidar_lever_arm() const { return lidar_lever_arm_; }
+  Block<Vec<1>> lidar_time_offset() const { return lidar_time_offset_; }
+  /// Returns the effects in the order of EstimableEffects.
+  const std::vector<EffectBlock>& effects() const { return effects_; }
+
+  /// Returns the present values.
+  CalibrationState State() const;
+
+  /// Returns the blocks of the effects with these indices.
+  std::vector<BlockId> EffectIds(const std::vector<std::size_t>& indices) const;
+
+  /// Returns whether an unknown changes the epochs of the laser.
+  bool MovesLidarEpochs() const;
+
+ private:
+  void AddMounting(const CalibrationState& initial);
+  void AddEffects(const CalibrationState& initial);
+  void AddPriors();
+  bool IsEstimated(const std::string& unknown) const;
+
+  const Flight& flight_;
+  Network& net_;
+  Block<LeftRotation> boresight_;
+  Block<Vec<3>> gnss_lever_arm_;
+  Block<Vec<3>> lidar_lever_arm_;
+  Block<Vec<1>> lidar_time_offset_;
+  std::vector<EffectBlock> effects_;
+};
+
+}  // namespace dn
