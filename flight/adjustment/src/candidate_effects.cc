@@ -84,20 +84,22 @@ class Candidates {
                  : spec.sensor == EffectSensor::kGnss && network_.gnss_edges.empty()) {
       return;
     }
-    if (effect.make == nullptr) {
-      AddBlock(effect, of_lidar);
-    } else if (spec.timing == EffectTiming::kStart) {
+    if (spec.timing == EffectTiming::kStart) {
       for (const double t0_s : StepTimes(FindStrips(network_.flight()))) {
         AddAtZero(effect, {network_.flight(), {.t0_s = t0_s}});
       }
-    } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {
+    } else if (spec.timing == EffectTiming::kFlight && !InNetwork(effect)) {
       AddAtZero(effect, {network_.flight()});
     }
   }
 
-  bool Estimated(const std::string& name) const {
+  /// Returns whether the network corrects for the effect. A block that every network has does so
+  /// only if it is estimated; otherwise the candidate is the change from its constant value.
+  bool InNetwork(const EstimableEffect& effect) const {
+    const std::string& name = effect.name();
+    if (effect.configured != nullptr) return !network_.net.block(network_.net.Find(name)).held;
     return std::any_of(network_.effects.begin(), network_.effects.end(),
-                       [&](const EffectBlock& effect) { return effect.name == name; });
+                       [&](const EffectBlock& block) { return block.name == name; });
   }
 
   void AddAtZero(const EstimableEffect& effect, const EffectSite& site) {
@@ -118,44 +120,6 @@ class Candidates {
     at_zero_.push_back(found_.size() - 1);
     const CandidateEffect& added = found_.back();
     state_.Insert({added.name, std::move(action), Eigen::VectorXd::Zero(added.typical.size())});
-  }
-
-  /// Adds a constant block as a candidate: the change from its constant value.
-  void AddBlock(const EstimableEffect& effect, bool of_lidar) {
-    const BlockId block = network_.net.Find(effect.name());
-    if (!network_.net.block(block).held) return;
-    found_.push_back(DescribeEffect(effect));
-    if (!of_lidar) AddGnssBlock(block, &found_.back());
-  }
-
-  void AddGnssBlock(BlockId block, CandidateEffect* candidate) const {
-    std::vector<FactorId> factors;
-    for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
-      factors.push_back(edge.position);
-      if (edge.velocity >= 0) factors.push_back(edge.velocity);
-    }
-    std::vector<Eigen::MatrixXd> derivatives(factors.size());
-    ParallelFor(static_cast<int>(factors.size()), threads_, [&](int at) {
-      const auto k = static_cast<std::size_t>(at);
-      derivatives[k] = BlockDerivative(block, factors[k]);
-    });
-    AppendColumns(factors, derivatives, 0, candidate->typical.size(), candidate);
-  }
-
-  /// Returns the derivative of an active factor by a block whose stored coordinates are the tangent
-  /// ones. It is empty for an inactive factor.
-  Eigen::MatrixXd BlockDerivative(BlockId block, FactorId factor) const {
-    const FactorRecord& record = network_.net.factor(factor);
-    if (!record.active) return {};
-    std::vector<const double*> x;
-    for (const BlockId id : record.blocks) x.push_back(Value(id));
-    const auto at = std::find(record.blocks.begin(), record.blocks.end(), block);
-    Eigen::VectorXd r(record.factor->residual_size());
-    RowMajor L(r.size(), network_.net.block(block).kind.stored_size);
-    std::vector<double*> J(x.size(), nullptr);
-    J[static_cast<std::size_t>(at - record.blocks.begin())] = L.data();
-    if (!network_.net.EvaluateStored(factor, x.data(), r.data(), J.data())) return {};
-    return L;
   }
 
   /// Assigns a candidate to each effect of the state. Both lists have the order of
@@ -242,15 +206,7 @@ class Candidates {
     }
     const std::vector<Eigen::Matrix3Xd> columns =
         internal::PairColumns(network_, state_, means_, whole, threads_);
-    const auto append_held = [&](EffectId effect, Eigen::Index first, Eigen::Index count) {
-      const auto at = std::find_if(found_.begin(), found_.end(), [&](const CandidateEffect& held) {
-        return IsEffect(held.name, effect);
-      });
-      if (at != found_.end()) AppendColumns(edges, columns, first, count, &*at);
-    };
-    append_held(EffectId::kLidarLeverArm, internal::kLeverArmColumn, 3);
-    append_held(EffectId::kLidarTimeOffset, internal::kTimeOffsetColumn, 1);
-    Append(edges, PairEffectIndices(state_), columns, internal::kPairEffectsColumn);
+    Append(edges, PairEffectIndices(state_), columns);
   }
 
   /// Returns the values for the factor that an edge would have under the extended calibration.
@@ -325,12 +281,11 @@ class Candidates {
     Append(kind.edges, kind.effects, derivatives);
   }
 
-  /// Appends the derivatives of edges to the candidates. The columns of the effects begin at
-  /// `column`.
+  /// Appends the derivatives of edges to the candidates.
   template <class Matrix>
   void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
-              const std::vector<Matrix>& derivatives, Eigen::Index column = 0) {
-    std::vector<Eigen::Index> first{column};
+              const std::vector<Matrix>& derivatives) {
+    std::vector<Eigen::Index> first{0};
     for (const std::size_t e : effects) {
       first.push_back(first.back() + state_.effects[e].value.size());
     }

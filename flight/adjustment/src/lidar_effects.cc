@@ -25,24 +25,14 @@ MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
   LidarReading reading = LidarReading::Uncorrected(end.t_s, end.u_s, n);
   effect.Correct(Eigen::VectorXd::Zero(n), 0, &reading);
-  return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
+  return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_a * reading.J_arm +
+         end.J_r_t * reading.J_delay;
 }
 
 EndModel MakeEndModel(const EffectAction& action) {
   return [effect = std::get<std::shared_ptr<const LidarEffect>>(action)](const PairEnd& e) {
     return EndDerivative(*effect, e);
   };
-}
-
-EndModel MakeEndModel(const EstimableEffect& effect, const Flight& flight) {
-  if (effect.make == nullptr) {
-    const bool lever_arm = effect.id == EffectId::kLidarLeverArm;
-    return [lever_arm](const PairEnd& e) -> MatrixXd {
-      if (lever_arm) return e.J_r_a;
-      return e.J_r_t;
-    };
-  }
-  return MakeEndModel(effect.make({flight}));
 }
 
 }  // namespace
@@ -58,7 +48,7 @@ CandidateEffect MakePairCandidate(const UserEffect& own, const std::vector<PairE
 CandidateEffect MakePairCandidate(const EstimableEffect& effect, const Flight& flight,
                                   const std::vector<PairEnds>& pairs) {
   CandidateEffect candidate = DescribeEffect(effect);
-  candidate.model = MakeEffectModel(pairs, MakeEndModel(effect, flight));
+  candidate.model = MakeEffectModel(pairs, MakeEndModel(effect.make({flight})));
   return candidate;
 }
 

@@ -93,7 +93,7 @@ PreparedEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration,
       reading.turn_b_rad.isZero(0.0)
           ? state.q_boresight
           : Exp(Eigen::Vector3d(Log(state.q_boresight) + reading.turn_b_rad));
-  out.arm_b = state.lidar_lever_arm_b_m +
+  out.arm_b = state.lidar_lever_arm_b_m + reading.arm_b_m +
               q_boresight * (flight.config.lidar->mounting.R_bs_nominal * reading.u_s);
   return out;
 }
