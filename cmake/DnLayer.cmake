@@ -23,6 +23,7 @@ function(dn_add_layer name)
     PUBLIC ${A_PUBLIC}
     PRIVATE ${A_PRIVATE} $<BUILD_INTERFACE:dn_dev_flags>)
   dn_use_precompiled(dn_${name} dn_layer_headers)
+  dn_guide_fuzzer(${name})
   set_property(GLOBAL APPEND PROPERTY DN_INCLUDE_FOLDERS ${PROJECT_SOURCE_DIR}/${A_DIR}/include)
   add_dependencies(dn_libraries dn_${name})
   install(TARGETS dn_${name} EXPORT ${A_EXPORT}

@@ -44,7 +44,7 @@ Hypothesis MakeHypothesis(const EstimableEffect& effect, const EffectSite& site)
   Hypothesis hypothesis = MakeHypothesis(effect.id);
   hypothesis.remedy = effect.remedy;
   hypothesis.times = site.times;
-  if (effect.make != nullptr) hypothesis.action = effect.make(site);
+  hypothesis.action = effect.make(site);
   return hypothesis;
 }
 

@@ -20,13 +20,11 @@ MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
   LidarReading reading = LidarReading::Uncorrected(end.t_s, end.u_s, n);
   effect.Correct(Eigen::VectorXd::Zero(n), 0, &reading);
-  return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
+  return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_a * reading.J_arm +
+         end.J_r_t * reading.J_delay;
 }
 
-/// The lever arm and the time offset are blocks of every network, without an action.
 EndModel MakeEndModel(const Hypothesis& hypothesis) {
-  if (hypothesis.id == EffectId::kLidarLeverArm) return [](const PairEnd& e) { return e.J_r_a; };
-  if (hypothesis.id == EffectId::kLidarTimeOffset) return [](const PairEnd& e) { return e.J_r_t; };
   return [effect = std::get<std::shared_ptr<const LidarEffect>>(hypothesis.action)](
              const PairEnd& e) { return EndDerivative(*effect, e); };
 }

@@ -87,21 +87,24 @@ class NetworkHypotheses {
                  : spec.sensor == EffectSensor::kGnss && network_.gnss().edges().empty()) {
       return;
     }
-    if (effect.make == nullptr) {
-      AddBlock(effect, of_lidar);
-    } else if (spec.timing == EffectTiming::kStart) {
+    if (spec.timing == EffectTiming::kStart) {
       for (const double t0_s : StepTimes(InTime(FindStrips(network_.flight())))) {
         AddAtZero(MakeHypothesis(effect, {network_.flight(), {.t0_s = t0_s}}));
       }
-    } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {
+    } else if (spec.timing == EffectTiming::kFlight && !InNetwork(effect)) {
       AddAtZero(MakeHypothesis(effect, {network_.flight()}));
     }
   }
 
-  bool Estimated(const std::string& name) const {
+  /// Returns whether the network corrects for the effect. A block that every network has does so
+  /// only if it is estimated; otherwise the hypothesis is the change from its constant value.
+  bool InNetwork(const EstimableEffect& effect) const {
+    const std::string& name = effect.name();
+    const Network& net = network_.net();
+    if (effect.configured != nullptr) return !net.block(net.Find(name)).held;
     return std::any_of(network_.calibration().effects().begin(),
                        network_.calibration().effects().end(),
-                       [&](const EffectBlock& effect) { return effect.name == name; });
+                       [&](const EffectBlock& block) { return block.name == name; });
   }
 
   void AddAtZero(const Hypothesis& hypothesis) {
@@ -109,45 +112,6 @@ class NetworkHypotheses {
     state_.Insert(
         {hypothesis.name, hypothesis.action, Eigen::VectorXd::Zero(hypothesis.typical.size())});
     found_.Add(hypothesis, {});
-  }
-
-  /// Adds a constant block as a hypothesis: the change from its constant value.
-  void AddBlock(const EstimableEffect& effect, bool of_lidar) {
-    const BlockId block = network_.net().Find(effect.name());
-    if (!network_.net().block(block).held) return;
-    found_.Add(MakeHypothesis(effect, {network_.flight()}), {});
-    if (!of_lidar) AddGnssBlock(block);
-  }
-
-  void AddGnssBlock(BlockId block) {
-    std::vector<FactorId> factors;
-    for (const GnssEdge& edge : network_.gnss().edges()) {
-      factors.push_back(edge.position);
-      if (edge.velocity >= 0) factors.push_back(edge.velocity);
-    }
-    std::vector<Eigen::MatrixXd> derivatives(factors.size());
-    ParallelFor(static_cast<int>(factors.size()), threads_, [&](int at) {
-      const auto k = static_cast<std::size_t>(at);
-      derivatives[k] = BlockDerivative(block, factors[k]);
-    });
-    AppendColumns(factors, derivatives, 0, found_.hypotheses.back().typical.size(),
-                  &found_.blocks.back());
-  }
-
-  /// Returns the derivative of an active factor by a block whose stored coordinates are the tangent
-  /// ones. It is empty for an inactive factor.
-  Eigen::MatrixXd BlockDerivative(BlockId block, FactorId factor) const {
-    const FactorRecord& record = network_.net().factor(factor);
-    if (!record.active) return {};
-    std::vector<const double*> x;
-    for (const BlockId id : record.blocks) x.push_back(Value(id));
-    const auto at = std::find(record.blocks.begin(), record.blocks.end(), block);
-    Eigen::VectorXd r(record.factor->residual_size());
-    RowMajor L(r.size(), network_.net().block(block).kind.stored_size);
-    std::vector<double*> J(x.size(), nullptr);
-    J[static_cast<std::size_t>(at - record.blocks.begin())] = L.data();
-    if (!network_.net().EvaluateStored(factor, x.data(), r.data(), J.data())) return {};
-    return L;
   }
 
   /// Assigns columns to each effect of the state. Both lists have the order of EstimableEffects;
@@ -234,15 +198,7 @@ class NetworkHypotheses {
     }
     const std::vector<Eigen::Matrix3Xd> columns =
         PairColumns(network_, state_, means_, whole, threads_);
-    const auto append_block = [&](EffectId effect, Eigen::Index first, Eigen::Index count) {
-      const auto at = std::find_if(found_.hypotheses.begin(), found_.hypotheses.end(),
-                                   [&](const Hypothesis& one) { return one.id == effect; });
-      if (at == found_.hypotheses.end()) return;
-      AppendColumns(edges, columns, first, count, &found_.blocks[at->block]);
-    };
-    append_block(EffectId::kLidarLeverArm, kLeverArmColumn, 3);
-    append_block(EffectId::kLidarTimeOffset, kTimeOffsetColumn, 1);
-    Append(edges, PairEffectIndices(state_), columns, kPairEffectsColumn);
+    Append(edges, PairEffectIndices(state_), columns);
   }
 
   /// Returns the values for the factor that an edge would have under the extended calibration.
@@ -317,12 +273,11 @@ class NetworkHypotheses {
     Append(kind.edges, kind.effects, derivatives);
   }
 
-  /// Appends the derivatives of edges to the hypotheses. The columns of the effects begin at
-  /// `column`.
+  /// Appends the derivatives of edges to the hypotheses.
   template <class Matrix>
   void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
-              const std::vector<Matrix>& derivatives, Eigen::Index column = 0) {
-    std::vector<Eigen::Index> first{column};
+              const std::vector<Matrix>& derivatives) {
+    std::vector<Eigen::Index> first{0};
     for (const std::size_t e : effects) {
       first.push_back(first.back() + state_.effects[e].value.size());
     }

@@ -35,7 +35,7 @@ class Columns {
       const PairEdge& edge = network_.pairs().edges()[k];
       const FactorRecord& record = network_.net().factor(edge.id);
       if (!record.active || record.factor->residual_size() != 3) continue;
-      columns_[k].setZero(3, kPairEffectsColumn + num_values_);
+      columns_[k].setZero(3, num_values_);
       ComputeGravitationAt(edge.node_i);
       ComputeGravitationAt(edge.node_j);
     }
@@ -64,13 +64,10 @@ class Columns {
                   first ? edge.pair.u_i_s : edge.pair.u_j_s);
     const PointSensitivity point = network_.pairs().EndSensitivity(end);
     Matrix3Xd end_columns = Matrix3Xd::Zero(3, columns.cols());
-    end_columns.middleCols<3>(kLeverArmColumn) = point.lever_arm;
-    end_columns.col(kTimeOffsetColumn) = point.delay;
     AddEffectJacobians(point,
                        {reading, increments.J_effects, bridge ? &whole_[*bridge] : nullptr,
                         *gravitation_[first ? edge.node_i : edge.node_j]},
-                       network_.flight().config.lidar->mounting.R_bs_nominal,
-                       end_columns.rightCols(num_values_));
+                       network_.flight().config.lidar->mounting.R_bs_nominal, end_columns);
     // The two ends of a pair may arrive in either order; a sum of two terms does not depend on it.
     const std::lock_guard lock(adding_[end.k % adding_.size()]);
     columns += end_columns;

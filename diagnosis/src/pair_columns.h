@@ -7,11 +7,8 @@
 
 namespace dn::internal {
 
-/// First columns of PairColumns.
-inline constexpr Eigen::Index kLeverArmColumn = 0, kTimeOffsetColumn = 3, kPairEffectsColumn = 4;
-
-/// Returns the derivatives of the pair residuals as columns. They are those by the lidar's lever
-/// arm, by its time offset, and by the effects of a calibration (PairEffectIndices), in this order.
+/// Returns the derivatives of the pair residuals by the effects of a calibration as columns, in the
+/// order of PairEffectIndices.
 ///
 /// There is one matrix per pair edge. It is empty for an inactive edge, and for one whose residual
 /// is not a difference of two points. `means` are averaged samples for the derivatives of the

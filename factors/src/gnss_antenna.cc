@@ -25,10 +25,7 @@ std::vector<BlockKind> Kinds(const GnssEffects& effects) {
 GnssReading Corrected(const GnssEffects& effects, double const* const* values, double tag_s) {
   Eigen::Index columns = 0;
   for (const auto& effect : effects) columns += effect->components();
-  GnssReading reading;
-  reading.tag_s = tag_s;
-  reading.J_shift.setZero(3, columns);
-  reading.J_delay.setZero(columns);
+  GnssReading reading = GnssReading::Uncorrected(tag_s, columns);
   Eigen::Index column = 0;
   for (const auto& effect : effects) {
     const int size = effect->components();
@@ -55,14 +52,15 @@ GnssAntenna::GnssAntenna(Quantity quantity, const Vector3d& z_m, const MotionNea
 bool GnssAntenna::Evaluate(double const* const* x, double* r, double** J) const {
   using Vec3 = Eigen::Map<const Vector3d>;
   const Matrix3d R = Eigen::Quaterniond(x[0]).toRotationMatrix();
-  const Vec3 p(x[1]), a_b(x[2]), v(x[3]);
+  const Vec3 p(x[1]), v(x[3]);
   const GnssReading reading = Corrected(effects_, x + kFirstEffect, motion_.tag_s);
+  const Vector3d a_b = Vec3(x[2]) + reading.arm_b_m;
   const double d = reading.delay_s - motion_.node_lead_s;
   const Vector3d w = motion_.w_ib_b_radps - R.transpose() * motion_.w_ie_m_radps;
   const Vector3d phi = -d * w;
   const Matrix3d turn = Exp(phi).toRotationMatrix();
   const bool position = quantity_ == Quantity::kPosition;
-  const Vector3d arm = position ? Vector3d(a_b) : Vector3d(w.cross(a_b));
+  const Vector3d arm = position ? a_b : Vector3d(w.cross(a_b));
   const Vector3d& a_m = motion_.a_m_mps2;
   Vector3d at;
   if (position) {
@@ -81,11 +79,12 @@ bool GnssAntenna::Evaluate(double const* const* x, double* r, double** J) const 
   if (!position) J_q -= R * turn * Skew(a_b) * w_q;
   Put(0, x, J, Matrix3d(W_ * J_q));
   Put(1, x, J, Matrix3d(position ? W_ : Matrix3d::Zero()));
-  Put(2, x, J, Matrix3d(W_ * R * turn * (position ? Matrix3d(Matrix3d::Identity()) : Skew(w))));
+  const Matrix3d by_arm = R * turn * (position ? Matrix3d(Matrix3d::Identity()) : Skew(w));
+  Put(2, x, J, Matrix3d(W_ * by_arm));
   Put(3, x, J, Matrix3d(position ? Matrix3d(-d * W_) : W_));
   const Vector3d by_delay =
       (position ? Vector3d(d * a_m - v) : Vector3d(-a_m)) - R * (turn * w.cross(arm));
-  Matrix3Xd J_r_c = by_delay * reading.J_delay;
+  Matrix3Xd J_r_c = by_delay * reading.J_delay + by_arm * reading.J_arm;
   if (position) J_r_c += reading.J_shift;
   J_r_c = W_ * J_r_c;
   Eigen::Index column = 0;

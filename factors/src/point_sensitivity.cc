@@ -25,6 +25,7 @@ void AddEffectJacobians(const PointSensitivity& point, const EffectsOnPoint& eff
   auto of_lidar = sum.leftCols(lidar);
   of_lidar += by_u_s.lazyProduct(reading.J_u);
   of_lidar += point.turn_b.lazyProduct(reading.J_turn);
+  of_lidar += point.lever_arm.lazyProduct(reading.J_arm);
   of_lidar += point.delay.lazyProduct(reading.J_delay);
   auto of_imu = sum.middleCols(lidar, imu);
   of_imu += point.increments.lazyProduct(effects.increments);

@@ -125,7 +125,7 @@ PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
                   Vec3(node[1]),
                   Vec3(node[2]),
                   Exp(at.theta),
-                  Vec3(x[7]),
+                  Vec3(x[7]) + at.reading.arm_b_m,
                   R_bs_nominal_ * at.reading.u_s,
                   x[8][0] + at.reading.delay_s - (end.tag_s - end.t_end_s)};
   return at;

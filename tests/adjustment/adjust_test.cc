@@ -48,7 +48,7 @@ TEST(Adjust, NoiseFreeFlightReturnsTheBoresight) {
   }
 }
 
-TEST(Adjust, NoisyFlightsStayWithinTheirSigmas) {
+TEST(AdjustManyRuns, NoisyFlightsStayWithinTheirSigmas) {
   double nees = 0.0, chi2 = 0.0, redundancy = 0.0;
   constexpr int kSeeds = 3;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {

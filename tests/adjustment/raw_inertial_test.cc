@@ -96,7 +96,7 @@ TEST(RawInertial, EqualsPreintegrationWherePairsAreOnNodes) {
 }
 
 // Between nodes, the noise of the partial increment counts for each pair separately.
-TEST(RawInertial, IsCloseToPreintegrationWherePairsLieBetweenNodes) {
+TEST(RawInertialManyRuns, IsCloseToPreintegrationWherePairsLieBetweenNodes) {
   ExpectSameBoresight(TwoStrips().flight, 0.02, 0.01);
 }
 

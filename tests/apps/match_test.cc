@@ -46,6 +46,8 @@ class Matching : public ::testing::Test {
 
 std::unique_ptr<TempFolder> Matching::folder_;
 
+using MatchingManyRuns = Matching;
+
 TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
   const ProgramRun match = RunProgram({"match", In("flight"), "--out", In("matched")});
   ASSERT_EQ(match.exit_code, 0) << match.err;
@@ -82,7 +84,7 @@ void HideVectors(const fs::path& las) {
   std::ofstream(las, std::ios::binary) << bytes;
 }
 
-TEST_F(Matching, VectorsOfAnAssumedBoresightDoNotCalibrate) {
+TEST_F(MatchingManyRuns, VectorsOfAnAssumedBoresightDoNotCalibrate) {
   fs::copy(In("flight"), In("bare_points"), fs::copy_options::recursive);
   for (const char* name : {"1.las", "2.las"}) {
     HideVectors(folder_->path() / "bare_points/strips" / name);
@@ -120,7 +122,7 @@ TEST_F(Matching, VectorsOfAnAssumedBoresightDoNotCalibrate) {
   EXPECT_NEAR(roll_deg(right), truth_deg, 4.0 * right["boresight"]["sigma_deg"][0].get<double>());
 }
 
-TEST_F(Matching, AllMethodsRunFromStripsAlone) {
+TEST_F(MatchingManyRuns, AllMethodsRunFromStripsAlone) {
   const ProgramRun run =
       RunProgram({"calibrate", In("flight"), "--method", "all", "--out", In("all")});
   EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.err;

@@ -17,7 +17,7 @@ std::vector<std::string> Arguments(const fs::path& out, const std::string& fligh
           "20",          "--threads",     "2",         "--out", out};
 }
 
-TEST(MonteCarlo, JudgesFliesOnAndRefusesToMix) {
+TEST(MonteCarloManyRuns, JudgesFliesOnAndRefusesToMix) {
   const TempFolder folder;
   const fs::path out = folder.path() / "mc";
   const ProgramRun first = RunProgram(Arguments(out, "2"));
@@ -49,7 +49,7 @@ TEST(MonteCarlo, JudgesFliesOnAndRefusesToMix) {
   EXPECT_THAT(damaged.err, HasSubstr("delete the file"));
 }
 
-TEST(MonteCarlo, AnInterruptedRunKeepsItsFlights) {
+TEST(MonteCarloManyRuns, AnInterruptedRunKeepsItsFlights) {
   const TempFolder folder;
   const fs::path out = folder.path() / "mc";
   ProgramOptions options;

@@ -50,7 +50,7 @@ std::vector<std::string> FlyAndCalibrate(const fs::path& folder, const std::stri
   return texts;
 }
 
-TEST(CliOutput, TheSameSeedAndThreadsGiveTheSameBytes) {
+TEST(CliOutputManyRuns, TheSameSeedAndThreadsGiveTheSameBytes) {
   const TempFolder folder;
   for (const char* threads : {"1", "2"}) {
     const std::string name = threads;

@@ -162,7 +162,7 @@ TEST(OwnData, EveryProblemIsTold) {
               AllOf(HasSubstr("GPS.txt:3"), HasSubstr("\"counts\"")));
 }
 
-TEST(OwnData, AFailedRunKeepsItsCounts) {
+TEST(OwnDataManyRuns, AFailedRunKeepsItsCounts) {
   const DamagedFlight flight;
   EachRow(flight, "GPS.txt", [](std::size_t i, Row* row) {
     if (i % 2 == 0) (*row)[3] += 500.0;

@@ -166,7 +166,7 @@ TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
                    "--help");
 }
 
-TEST(CliUsage, NumbersAreRefusedWithTheirBound) {
+TEST(CliUsageManyRuns, NumbersAreRefusedWithTheirBound) {
   const std::vector<std::string> monte_carlo{"monte-carlo", "lar3", "--out", "x"};
   const auto expect = [&](std::vector<std::string> arguments, const std::string& option,
                           const std::string& value, const std::string& what) {

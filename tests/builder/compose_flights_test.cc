@@ -45,7 +45,7 @@ Eigen::Matrix3d Information(const Network& net, const std::string& name) {
 class PlainCeresProgram : public ::testing::Test {
  protected:
   PlainCeresProgram() {
-    const Network& net = flight_.net;
+    const Network& net = flight_.net();
     for (BlockId b = 0; b < net.num_blocks(); ++b) numbers_.push_back(net.Value(b));
     for (FactorId id = 0; id < net.num_factors(); ++id) {
       const FactorRecord& record = net.factor(id);
@@ -84,22 +84,24 @@ TEST_F(PlainCeresProgram, SolvesAFlight) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  ASSERT_TRUE(Solve(flight_.net, {.initial_trust_region_radius = 1e13}).converged);
-  const Marginals expected(flight_.net), got(problem_);
-  for (const BlockId b : {flight_.boresight.id, flight_.nodes[50].q_mb.id,
-                          flight_.nodes[50].p_mb.id, flight_.gyro_bias[0].blocks[0].id}) {
+  ASSERT_TRUE(Solve(flight_.net(), {.initial_trust_region_radius = 1e13}).converged);
+  const Marginals expected(flight_.net()), got(problem_);
+  for (const BlockId b :
+       {flight_.calibration().boresight().id, flight_.nodes()[50].q_mb.id,
+        flight_.nodes()[50].p_mb.id, flight_.trajectory().gyro_bias()[0].blocks[0].id}) {
     Eigen::Vector3d difference;
-    Minus(flight_.net.block(b).kind, Numbers(b), flight_.net.Value(b).data(), difference.data());
+    Minus(flight_.net().block(b).kind, Numbers(b), flight_.net().Value(b).data(),
+          difference.data());
     const Eigen::VectorXd sigma = expected.Covariance(b).diagonal().cwiseSqrt();
-    EXPECT_LE(difference.cwiseQuotient(sigma).norm(), 1e-3) << flight_.net.block(b).name;
+    EXPECT_LE(difference.cwiseQuotient(sigma).norm(), 1e-3) << flight_.net().block(b).name;
     EXPECT_LE((got.Covariance(Numbers(b)) - expected.Covariance(b)).norm(),
               1e-4 * expected.Covariance(b).norm())
-        << flight_.net.block(b).name;
+        << flight_.net().block(b).name;
   }
 }
 
 TEST_F(PlainCeresProgram, HasTheCovarianceOfCeres) {
-  const double* boresight = Numbers(flight_.boresight.id);
+  const double* boresight = Numbers(flight_.calibration().boresight().id);
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
   options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
@@ -116,12 +118,13 @@ TEST(ComposedFlights, ShareABoresight) {
   const SimulatedFlight monday = Fly(7), tuesday = Fly(8);
   const FlightNetwork first = AtTruth(monday), second = AtTruth(tuesday);
   Network both;
-  both.Append(first.net, "monday/", {"boresight"});
-  const Network::Appended added = both.Append(second.net, "tuesday/", {"boresight"});
-  EXPECT_EQ(both.num_blocks(), first.net.num_blocks() + second.net.num_blocks() - 1);
-  EXPECT_EQ(both.Value(added.Handle(second.nodes[3].p_mb)), second.net.Value(second.nodes[3].p_mb));
+  both.Append(first.net(), "monday/", {"boresight"});
+  const Network::Appended added = both.Append(second.net(), "tuesday/", {"boresight"});
+  EXPECT_EQ(both.num_blocks(), first.net().num_blocks() + second.net().num_blocks() - 1);
+  EXPECT_EQ(both.Value(added.Handle(second.nodes()[3].p_mb)),
+            second.net().Value(second.nodes()[3].p_mb));
   const Eigen::Matrix3d sum =
-      Information(first.net, "boresight") + Information(second.net, "boresight");
+      Information(first.net(), "boresight") + Information(second.net(), "boresight");
   EXPECT_LE((Information(both, "boresight") - sum).norm(), 1e-5 * sum.norm());
 }
 
@@ -129,17 +132,17 @@ TEST(ComposedFlights, ShareABoresight) {
 TEST(ComposedFlights, EliminateAFinishedFlight) {
   const SimulatedFlight monday = Fly(7), tuesday = Fly(8);
   const FlightNetwork first = AtTruth(monday), second = AtTruth(tuesday);
-  Network finished = first.net;
+  Network finished = first.net();
   std::vector<BlockId> all_but_boresight;
   for (BlockId b = 0; b < finished.num_blocks(); ++b) {
-    if (b != first.boresight.id) all_but_boresight.push_back(b);
+    if (b != first.calibration().boresight().id) all_but_boresight.push_back(b);
   }
   const Elimination elimination = Eliminate(&finished, all_but_boresight, {.name = "monday"});
-  EXPECT_EQ(elimination.neighbours, std::vector<BlockId>{first.boresight.id});
-  Network net = second.net;
+  EXPECT_EQ(elimination.neighbours, std::vector<BlockId>{first.calibration().boresight().id});
+  Network net = second.net();
   net.Append(finished, "", {"boresight"});
   const Eigen::Matrix3d sum =
-      Information(first.net, "boresight") + Information(second.net, "boresight");
+      Information(first.net(), "boresight") + Information(second.net(), "boresight");
   EXPECT_LE((Information(net, "boresight") - sum).norm(), 1e-5 * sum.norm());
 }
 

@@ -70,6 +70,30 @@ TEST(Effects, EveryFixedEffectIsEstimable) {
   EXPECT_EQ(EstimableEffects().size(), fixed);
 }
 
+TEST(Effects, EveryEstimableEffectHasAnAction) {
+  const Flight flight = LidarFlight();
+  for (const EstimableEffect& effect : EstimableEffects()) {
+    const EffectAction action = Make(effect.name(), flight);
+    const bool any = std::visit([](const auto& one) { return static_cast<bool>(one); }, action);
+    EXPECT_TRUE(any) << effect.name();
+  }
+}
+
+TEST(Effects, BlocksOfEveryNetworkHaveTheirConfiguredValues) {
+  Flight flight = LidarFlight();
+  flight.config.gnss.emplace();
+  flight.config.gnss->lever_arm_b_m = {1.0, 2.0, 3.0};
+  flight.config.lidar->mounting.lever_arm_b_m = {4.0, 5.0, 6.0};
+  EXPECT_EQ(AssumedValue(flight, "gnss_lever_arm"), Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(AssumedValue(flight, "lidar_lever_arm"), Vector3d(4.0, 5.0, 6.0));
+  EXPECT_EQ(AssumedValue(flight, "lidar_time_offset"), VectorXd::Zero(1));
+  EXPECT_EQ(AssumedValue(flight, "gyro_misalignment"), VectorXd::Zero(3));
+  flight.config.gnss.reset();
+  flight.config.lidar.reset();
+  EXPECT_EQ(AssumedValue(flight, "gnss_lever_arm"), VectorXd::Zero(3));
+  EXPECT_EQ(AssumedValue(flight, "lidar_lever_arm"), VectorXd::Zero(3));
+}
+
 class InertialDerivatives : public ::testing::TestWithParam<const char*> {};
 
 // Checks the derivative of the corrected reading with respect to the value, and with respect to a
@@ -169,6 +193,7 @@ TEST_P(LidarDerivatives, DerivativesAgreeWithDifferences) {
       EXPECT_NEAR(at.J_delay[c], (plus.delay_s - minus.delay_s) / (2.0 * kStep), 1e-5);
       EXPECT_LE((at.J_turn.col(c) - (plus.turn_b_rad - minus.turn_b_rad) / (2.0 * kStep)).norm(),
                 1e-6);
+      EXPECT_LE((at.J_arm.col(c) - (plus.arm_b_m - minus.arm_b_m) / (2.0 * kStep)).norm(), 1e-6);
     }
   }
 }
@@ -189,7 +214,8 @@ TEST_P(LidarDerivatives, CarriesDerivativesAlong) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Effects, LidarDerivatives,
-                         ::testing::Values("lidar_time_drift", "lidar_range_offset",
+                         ::testing::Values("lidar_lever_arm", "lidar_time_offset",
+                                           "lidar_time_drift", "lidar_range_offset",
                                            "lidar_range_scale", "lidar_angle_scale",
                                            "lidar_scan_cone", "boresight_drift", "boresight_step"),
                          [](const auto& tested) { return std::string(tested.param); });
@@ -231,10 +257,7 @@ TEST(Effects, GnssStepsInItsWindowAndTagsAreLate) {
   const Flight flight = LidarFlight();
   const Vector3d value(0.1, 0.2, 0.3);
   for (const double tag_s : {49.0, 100.0, 251.0}) {
-    GnssReading reading;
-    reading.tag_s = tag_s;
-    reading.J_shift = Eigen::Matrix3Xd::Zero(3, 4);
-    reading.J_delay = Eigen::RowVectorXd::Zero(4);
+    GnssReading reading = GnssReading::Uncorrected(tag_s, 4);
     As<GnssEffect>(Make("gnss_time_offset", flight))->Correct(VectorXd::Zero(1), 0, &reading);
     As<GnssEffect>(Make("gnss_position_step", flight))->Correct(value, 1, &reading);
     const bool inside = tag_s == 100.0;
@@ -244,16 +267,28 @@ TEST(Effects, GnssStepsInItsWindowAndTagsAreLate) {
   }
 }
 
+// The true lever arm is the assumed one plus the value; the true epoch is the tag less the value.
+TEST(Effects, LeverArmsAndTheLidarClockAreOffByTheValue) {
+  const Flight flight = LidarFlight();
+  const Vector3d value(0.1, 0.2, 0.3), u_s(100.0, 5.0, 0.0);
+  const LidarReading lidar = LidarAt("lidar_lever_arm", value, 150.0, u_s);
+  EXPECT_EQ(lidar.arm_b_m, value);
+  EXPECT_EQ(lidar.u_s, u_s);
+  EXPECT_EQ(LidarAt("lidar_time_offset", VectorXd::Constant(1, 0.01), 150.0, u_s).delay_s, 0.01);
+  GnssReading gnss = GnssReading::Uncorrected(100.0, 4);
+  As<GnssEffect>(Make("gnss_lever_arm", flight))->Correct(value, 1, &gnss);
+  EXPECT_EQ(gnss.arm_b_m, value);
+  EXPECT_EQ(gnss.J_arm.rightCols<3>(), Eigen::Matrix3d::Identity());
+  EXPECT_TRUE(gnss.J_arm.col(0).isZero(0.0));
+}
+
 // The epoch of a tag does not depend on the delay of the first epoch.
 TEST(Effects, AnOffsetAndADriftOfTheGnssClockUndoTheTag) {
   Flight flight = LidarFlight();
   MapGnssEpoch first;
   first.t_s = 100.25;
   flight.gnss = MapGnss{{first}};
-  GnssReading reading;
-  reading.tag_s = 100.25 + 500.0 * (1.0 + 200e-6);
-  reading.J_shift = Eigen::Matrix3Xd::Zero(3, 2);
-  reading.J_delay = Eigen::RowVectorXd::Zero(2);
+  GnssReading reading = GnssReading::Uncorrected(100.25 + 500.0 * (1.0 + 200e-6), 2);
   const auto drift = As<GnssEffect>(Make("gnss_time_drift", flight));
   As<GnssEffect>(Make("gnss_time_offset", flight))
       ->Correct(VectorXd::Constant(1, 0.25), 0, &reading);

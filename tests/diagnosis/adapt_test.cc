@@ -259,7 +259,7 @@ Fit AdjustAndFit(const SimulatedFlight& flown, const std::vector<GapCause>& stat
 }
 
 // The vibration lasts for the first strip only, where two of the three pairs of strips have an end.
-TEST(AdaptedFlight, VibrationThatIsStatedInItsWindowFits) {
+TEST(AdaptedFlightManyRuns, VibrationThatIsStatedInItsWindowFits) {
   constexpr int kFlights = 4;
   const StripInterval strip = PlainDrone().config.strips.at(0);
   GapCause cause = Cause("imu_vibration", {1.0, 0.5});

@@ -68,7 +68,7 @@ TEST(ModelCheck, FindingsComeFirstAndOnce) {
               ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), HasSubstr("only 12 pairs")));
 }
 
-TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
+TEST(ModelCheckManyRuns, FlightsOfTheirOwnModelAreNotContradicted) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
@@ -203,10 +203,18 @@ TEST_P(InjectedEffect, IsEstimatedNamedAndItsShiftPredicted) {
   }
 }
 
+constexpr auto kInjectionName = [](const auto& tested) { return tested.param.effect; };
+
 INSTANTIATE_TEST_SUITE_P(
     ModelCheck, InjectedEffect,
+    ::testing::Values(Injection{"lidar_time_offset", "0.01", {0.01}, false, 0.03},
+                      Injection{
+                          "accel_scale_factor", "[0, 0, 500]", {0.0, 0.0, 500.0}, true, 0.25}),
+    kInjectionName);
+
+INSTANTIATE_TEST_SUITE_P(
+    ManyRuns, InjectedEffect,
     ::testing::Values(
-        Injection{"lidar_time_offset", "0.01", {0.01}, false, 0.03},
         Injection{"lidar_lever_arm", "[0.2, -0.1, 0.3]", {0.2, -0.1, 0.3}, false, 0.05},
         Injection{"lidar_time_drift", "20", {20.0}, true, 0.05},
         Injection{"lidar_range_offset", "0.2", {0.2}, true, 0.05},
@@ -217,10 +225,9 @@ INSTANTIATE_TEST_SUITE_P(
         Injection{"gnss_time_drift", "20", {20.0}, false, 0.05},
         Injection{"gyro_scale_factor", "[60, -60, 60]", {60.0, -60.0, 60.0}, true, 0.1},
         Injection{"gyro_misalignment", "[0.5, 0.4, -0.3]", {0.5, 0.4, -0.3}, true, 0.25},
-        Injection{"accel_scale_factor", "[0, 0, 500]", {0.0, 0.0, 500.0}, true, 0.25},
         Injection{"gyro_g_sensitivity", "[0.15, 0.15, 0.15]", {0.15, 0.15, 0.15}, true, 0.25},
         Injection{"gravity_tilt", "[10, -10]", {10.0, -10.0}, true, 0.25}),
-    [](const auto& tested) { return tested.param.effect; });
+    kInjectionName);
 
 Checked CheckedWithUnknown(const std::string& effects, EstimateEntry unknown) {
   SimulatedFlight simulated = Fly(AircraftScenario(effects), 5);
@@ -249,7 +256,7 @@ TEST(ModelCheck, AnUnknownWithACompetingEffectIsNotObservable) {
   EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment instead of"));
 }
 
-TEST(ModelCheck, AnUnknownByItselfIsCalibrated) {
+TEST(ModelCheckManyRuns, AnUnknownByItselfIsCalibrated) {
   const std::string late = "effects: [{effect: gnss_lever_arm, value: [0.3, -0.2, 0.2]}]\n";
   const Checked flight = CheckedWithUnknown(late, {.unknown = "gnss_lever_arm"});
   EXPECT_TRUE(flight.check.competing_effects.empty() ||
@@ -267,7 +274,7 @@ TEST(ModelCheck, APriorThatContradictsIsNamedWithItsKey) {
   EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.boresight_sigma_deg"));
 }
 
-TEST(ModelCheck, AnHonestPriorIsNot) {
+TEST(ModelCheckManyRuns, AnHonestPriorIsNot) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->boresight_sigma_rad = Eigen::Vector3d::Constant(kRadPerDeg);
   EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, Verdict::kCalibrated);
@@ -289,7 +296,7 @@ TEST(ModelCheck, NoiseOfTwiceItsStatedSigmaIsTooMuch) {
   EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.sigma_p_m"));
 }
 
-TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
+TEST(ModelCheckManyRuns, AShiftOfOnePairOfStripsIsFound) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 6);
   for (LidarPair& pair : simulated.flight.pairs->pairs) {
     if (pair.file == 0) pair.u_j_s += Eigen::Vector3d(0.15, 0.1, 0.15);

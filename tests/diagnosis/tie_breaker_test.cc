@@ -80,7 +80,7 @@ TEST(ProposeTieBreaker, RangesFromAnotherHeightTellAnOffsetFromAScale) {
   EXPECT_THAT(text, HasSubstr("would separate lidar_range_offset from lidar_range_scale"));
 }
 
-TEST(ProposeTieBreaker, IsNoneForAnErrorTooSmallToShow) {
+TEST(ProposeTieBreakerManyRuns, IsNoneForAnErrorTooSmallToShow) {
   const Flight flight = TwoParallelStrips();
   Tie tie{Cause("lidar_range_offset"), {"lidar_range_scale"}};
   tie.named.estimate = Eigen::VectorXd::Constant(1, 1e-5);

@@ -27,8 +27,8 @@ const PreintegrationNoise kNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravi
 
 Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}; }
 
-/// Stretches the laser vector, delays the tag and rotates the boresight: everything that a lidar
-/// effect can do.
+/// Stretches the laser vector, delays the tag, rotates the boresight and moves the lever arm:
+/// everything that a lidar effect can do.
 class AllOfLidar final : public LidarEffect {
  public:
   int components() const override { return 3; }
@@ -41,6 +41,8 @@ class AllOfLidar final : public LidarEffect {
     reading->J_delay[column + 1] = 1.0;
     reading->turn_b_rad += value[2] * Vector3d(1.0, -2.0, 0.5);
     reading->J_turn.col(column + 2) = Vector3d(1.0, -2.0, 0.5);
+    reading->arm_b_m += value[2] * Vector3d(-0.5, 1.0, 2.0);
+    reading->J_arm.col(column + 2) = Vector3d(-0.5, 1.0, 2.0);
   }
 };
 
@@ -56,16 +58,18 @@ class GyroScale final : public ImuEffect {
   }
 };
 
-/// Delays the tag and shifts the position along map x.
+/// Delays the tag, shifts the position along map x and moves the lever arm along body y.
 class LateAndShifted final : public GnssEffect {
  public:
-  int components() const override { return 2; }
+  int components() const override { return 3; }
   void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                GnssReading* reading) const override {
     reading->delay_s += value[0];
     reading->J_delay[column] = 1.0;
     reading->shift_m.x() += value[1];
     reading->J_shift(0, column + 1) = 1.0;
+    reading->arm_b_m.y() += value[2];
+    reading->J_arm(1, column + 2) = 1.0;
   }
 };
 
@@ -223,7 +227,7 @@ TEST_P(Antenna, JacobiansAgreeAtRandomStates) {
     const std::vector<VectorXd> x{State(testing::RandomRotation(rng)),
                                   testing::RandomVector(rng, 60.0), testing::RandomVector(rng, 2.0),
                                   testing::RandomVector(rng, 60.0),
-                                  VectorXd(testing::RandomVector(rng, 0.3).head<2>())};
+                                  VectorXd(testing::RandomVector(rng, 0.3))};
     testing::ExpectFactorConsistent(factor, x);
   }
 }
@@ -240,15 +244,15 @@ INSTANTIATE_TEST_SUITE_P(GnssAntenna, Antenna,
 TEST(GnssAntenna, FollowsTheAntennaToALateTag) {
   const EarthMotion flight = testing::PlaneMotion();
   const ImuData imu = flight.Measure(0.0, 4.0, 200.0);
-  const Vector3d lever_b(1.0, -2.0, -3.0), w_ie = flight.frame.w_ie_m();
+  const Vector3d lever_b(1.0, -2.0, -3.0), assumed_b(1.0, -2.2, -3.0), w_ie = flight.frame.w_ie_m();
   const double tag_s = imu.samples[499].t_s, delay_s = 0.01;
   const MapPose at = flight.Pose(tag_s), then = flight.Pose(tag_s - delay_s);
   const Preintegrated here = IdentityIncrement(imu, tag_s, {});
   const Vector3d a_m =
       at.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(at.p_mb) - 2.0 * w_ie.cross(at.v_m);
   const MotionNearTag motion{tag_s, here.w_end_b_radps, w_ie, a_m};
-  const VectorXd late = Eigen::Vector2d(delay_s, 0.25);
-  const std::vector<VectorXd> x{State(at.q_mb), at.p_mb, lever_b, at.v_m, late};
+  const VectorXd late = Vector3d(delay_s, 0.25, 0.2);
+  const std::vector<VectorXd> x{State(at.q_mb), at.p_mb, assumed_b, at.v_m, late};
   const auto residual = [&](GnssAntenna::Quantity quantity, const Vector3d& z_m) {
     const GnssAntenna factor(quantity, z_m, motion, {std::make_shared<LateAndShifted>()},
                              Noise<3>::Sigma(1.0));

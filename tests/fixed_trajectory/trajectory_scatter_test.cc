@@ -137,7 +137,7 @@ constexpr double kUndecided = 1.3;
 class Consistent : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
-  constexpr int kRuns = 60;
+  constexpr int kRuns = 40;
   const Consistency result = RunMonteCarlo(GetParam(), kRuns);
   EXPECT_LE(result.nees, kUndecided * (3.0 + NeesBound(kRuns)));
   EXPECT_GE(result.nees, (3.0 - NeesBound(kRuns)) / kUndecided);
@@ -147,7 +147,7 @@ TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    CorrelatedErrorCovariance, Consistent,
+    ManyRuns, Consistent,
     ::testing::Values(
         Case{"three", testing::CrossingLines(), 0.7, 0.7, 1.0, 100.0},
         Case{"four", FourLines(), 0.7, 0.7, 1.0, 100.0},
@@ -161,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"constant", FourLines(), 1.0, 0.01, 1.0, 100.0, SigmaSource::kSmoother}),
     [](const auto& test) { return std::string(test.param.name); });
 
-TEST(CorrelatedErrorCovariance, NoticesThatTheStatedSigmaIsOptimistic) {
+TEST(CorrelatedErrorCovarianceManyRuns, NoticesThatTheStatedSigmaIsOptimistic) {
   constexpr int kRuns = 40;
   const Consistency result =
       RunMonteCarlo({"", testing::CrossingLines(), 1.0, 3.0, 3.0, 100.0}, kRuns);
@@ -295,7 +295,7 @@ class StatedErrors {
   Eigen::VectorXd errors_;
 };
 
-TEST(CorrelatedErrorCovariance, AStatedCovarianceGivesThatOfTheBoresight) {
+TEST(CorrelatedErrorCovarianceManyRuns, AStatedCovarianceGivesThatOfTheBoresight) {
   constexpr int kRuns = 200;
   StripPairOptions strips;
   strips.count = 600;

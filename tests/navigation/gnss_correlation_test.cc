@@ -30,7 +30,7 @@ GnssCorrelation Tested(const Scenario& scenario, std::uint64_t seed, double sigm
 
 // The false-alarm rate is 0.001 per flight. Wrong sigmas of white noise must not be taken for
 // time-correlated errors.
-TEST(GnssCorrelation, IsSilentOnWhiteNoise) {
+TEST(GnssCorrelationManyRuns, IsSilentOnWhiteNoise) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {

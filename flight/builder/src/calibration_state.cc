@@ -10,10 +10,8 @@ namespace {
 /// Returns the place of an effect in the order of corrections; user-defined effects come last.
 std::size_t Rank(const std::string& name) {
   const std::vector<EstimableEffect>& all = EstimableEffects();
-  const auto at = std::find_if(all.begin(), all.end(), [&](const EstimableEffect& effect) {
-    return IsEffect(name, effect.id);
-  });
-  return static_cast<std::size_t>(at - all.begin());
+  const EstimableEffect* effect = FindEstimable(name);
+  return effect == nullptr ? all.size() : static_cast<std::size_t>(effect - all.data());
 }
 
 template <class Action>
@@ -81,7 +79,7 @@ CalibrationState AssumedCalibration(const Flight& flight) {
   }
   for (const EstimateEntry& entry : config.estimate) {
     const EstimableEffect* effect = FindEstimable(entry.unknown);
-    if (effect == nullptr || effect->make == nullptr) continue;
+    if (effect == nullptr || effect->configured != nullptr) continue;
     const auto size = static_cast<Eigen::Index>(FindEffect(entry.unknown)->components.size());
     state.Insert({entry.unknown, effect->make({flight, entry.times}), Eigen::VectorXd::Zero(size)});
   }
@@ -89,11 +87,8 @@ CalibrationState AssumedCalibration(const Flight& flight) {
 }
 
 Eigen::VectorXd AssumedValue(const Flight& flight, const std::string& unknown) {
-  const FlightConfig& config = flight.config;
-  if (IsEffect(unknown, EffectId::kGnssLeverArm) && config.gnss) return config.gnss->lever_arm_b_m;
-  if (IsEffect(unknown, EffectId::kLidarLeverArm) && config.lidar) {
-    return config.lidar->mounting.lever_arm_b_m;
-  }
+  const EstimableEffect* effect = FindEstimable(unknown);
+  if (effect != nullptr && effect->configured != nullptr) return effect->configured(flight.config);
   return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(FindEffect(unknown)->components.size()));
 }
 

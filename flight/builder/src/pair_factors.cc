@@ -26,7 +26,8 @@ Eigen::Vector3d ArmToPoint(const Mounting& mounting, const CalibrationState& sta
       reading.turn_b_rad.isZero(0.0)
           ? state.q_boresight
           : Exp(Eigen::Vector3d(Log(state.q_boresight) + reading.turn_b_rad));
-  return state.lidar_lever_arm_b_m + q_boresight * (mounting.R_bs_nominal * reading.u_s);
+  return state.lidar_lever_arm_b_m + reading.arm_b_m +
+         q_boresight * (mounting.R_bs_nominal * reading.u_s);
 }
 
 /// Prepares one end and adds the noise of its increments to the covariance of the pair.

@@ -16,12 +16,23 @@ struct GnssReading {
   double tag_s = 0.0;                                 ///< time tag in the file
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< measured = true + shift, map axes
   double delay_s = 0.0;                               ///< true epoch = tag - delay
-  /// Derivatives of shift and delay with respect to the values of all effects.
-  Eigen::Matrix3Xd J_shift;
+  Eigen::Vector3d arm_b_m = Eigen::Vector3d::Zero();  ///< added to the lever arm
+  /// Derivatives with respect to the values of all effects, in their order.
+  Eigen::Matrix3Xd J_shift, J_arm;
   Eigen::RowVectorXd J_delay;
+
+  /// Returns a reading without corrections, with zero derivatives for `columns` values.
+  static GnssReading Uncorrected(double tag_s, Eigen::Index columns) {
+    GnssReading reading;
+    reading.tag_s = tag_s;
+    reading.J_shift.setZero(3, columns);
+    reading.J_arm.setZero(3, columns);
+    reading.J_delay.setZero(columns);
+    return reading;
+  }
 };
 
-/// A constant error of the GNSS positions or of their time tags.
+/// A constant error of the GNSS positions, of their time tags or of the lever arm.
 class GnssEffect {
  public:
   virtual ~GnssEffect() = default;
@@ -53,10 +64,10 @@ struct MotionNearTag {
 
 /// GNSS antenna position or velocity at a tag that may be delayed, with calibration values among
 /// its blocks. With d the delay of the tag minus the lead of the node, w = w_ib_b - R_mb^T w_ie_m
-/// and R(d) = R_mb Exp(-d w):
+/// and R(d) = R_mb Exp(-d w), and with a = a_b plus the correction of the lever arm:
 ///
-///   position  r = W (p_mb - d v_m + d^2/2 a_m + R(d) a_b + shift - z)       [3], unitless
-///   velocity  r = W (v_m - d a_m + R(d) (w x a_b) - z)
+///   position  r = W (p_mb - d v_m + d^2/2 a_m + R(d) a + shift - z)         [3], unitless
+///   velocity  r = W (v_m - d a_m + R(d) (w x a) - z)
 ///
 ///   block | symbol | stored | tangent | meaning
 ///   ------|--------|--------|---------|---------------------------------------------------

@@ -15,8 +15,9 @@ struct LidarReading {
   double delay_s = 0.0;                           ///< true epoch = tag - delay
   /// Added to the boresight's rotation vector.
   Eigen::Vector3d turn_b_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d arm_b_m = Eigen::Vector3d::Zero();  ///< added to the lever arm
   /// Derivatives with respect to the values of all effects, in their order.
-  Eigen::Matrix3Xd J_u, J_turn;
+  Eigen::Matrix3Xd J_u, J_turn, J_arm;
   Eigen::RowVectorXd J_delay;
 
   /// Returns a reading without corrections, with zero derivatives for `columns` values.
@@ -26,6 +27,7 @@ struct LidarReading {
     reading.u_s = u_s;
     reading.J_u.setZero(3, columns);
     reading.J_turn.setZero(3, columns);
+    reading.J_arm.setZero(3, columns);
     reading.J_delay.setZero(columns);
     return reading;
   }

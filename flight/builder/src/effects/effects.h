@@ -14,9 +14,12 @@ EffectAction GyroScaleFactor(const EffectSite& site);
 EffectAction GyroMisalignment(const EffectSite& site);
 EffectAction GravityTilt(const EffectSite& site);
 EffectAction GravityDisturbance(const EffectSite& site);
+EffectAction GnssLeverArm(const EffectSite& site);
 EffectAction GnssTimeOffset(const EffectSite& site);
 EffectAction GnssTimeDrift(const EffectSite& site);
 EffectAction GnssPositionStep(const EffectSite& site);
+EffectAction LidarLeverArm(const EffectSite& site);
+EffectAction LidarTimeOffset(const EffectSite& site);
 EffectAction LidarTimeDrift(const EffectSite& site);
 EffectAction LidarRangeOffset(const EffectSite& site);
 EffectAction LidarRangeScale(const EffectSite& site);
@@ -24,6 +27,11 @@ EffectAction LidarAngleScale(const EffectSite& site);
 EffectAction LidarScanCone(const EffectSite& site);
 EffectAction BoresightDrift(const EffectSite& site);
 EffectAction BoresightStep(const EffectSite& site);
+
+/// These functions return the configured value of an effect; see EstimableEffect::configured.
+Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config);
+Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config);
+Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig& config);
 
 /// Returns the first and last time tag of the pairs, s; both are 0 without pairs.
 std::pair<double, double> LidarSpan(const Flight& flight);

@@ -39,10 +39,12 @@ struct EstimableEffect {
   EffectId id;
   const char* quantity;  ///< name in reports: "gyro scale factor"
   const char* remedy;    ///< advice for the user if the data indicate this effect
-  /// Null for an effect that is a block of every network: lever arms and lidar time offset. Throws
-  /// InvalidConfig if the site lacks the time of the effect, or the flight lacks the section of its
-  /// sensor.
+  /// Throws InvalidConfig if the site lacks the time of the effect, or the flight lacks the section
+  /// of its sensor.
   EffectAction (*make)(const EffectSite& site);
+  /// Configured value, SI, of an effect that is a block of every network, estimated or constant.
+  /// Null for an effect that is a block only where it is estimated; its configured value is zero.
+  Eigen::VectorXd (*configured)(const FlightConfig& config) = nullptr;
 
   const std::string& name() const { return EffectName(id); }
 };

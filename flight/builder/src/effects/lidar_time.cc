@@ -5,6 +5,19 @@
 namespace dn::internal {
 namespace {
 
+/// tag = t + value.
+class LidarTagOffset final : public LidarEffect {
+ public:
+  int components() const override { return 1; }
+  bool moves_epochs() const override { return true; }
+
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
+               LidarReading* reading) const override {
+    reading->delay_s += value[0];
+    reading->J_delay[column] = 1.0;
+  }
+};
+
 /// tag = t + value (t - first), so that t = (tag + value first) / (1 + value).
 class LidarTagDrift final : public LidarEffect {
  public:
@@ -36,6 +49,10 @@ std::pair<double, double> LidarSpan(const Flight& flight) {
   }
   return span;
 }
+
+EffectAction LidarTimeOffset(const EffectSite&) { return std::make_shared<LidarTagOffset>(); }
+
+Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig&) { return Eigen::VectorXd::Zero(1); }
 
 EffectAction LidarTimeDrift(const EffectSite& site) {
   return std::make_shared<LidarTagDrift>(LidarSpan(site.flight).first);
