@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::words_test {
+namespace dn::adjustment_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -124,4 +124,4 @@ TEST(Words, TheFindingsOfACheckComeFirstAndOnce) {
               ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), HasSubstr("only 12 pairs")));
 }
 
-}  // namespace dn::words_test
+}  // namespace dn::adjustment_test

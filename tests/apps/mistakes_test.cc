@@ -12,7 +12,7 @@
 
 #include "flight_of_numbers.h"
 
-namespace dn::testing::mistakes_test {
+namespace dn::testing::apps_test {
 
 using ::testing::AnyOf;
 using ::testing::Each;
@@ -334,4 +334,4 @@ TEST(RepeatedPairs, NarrowNoSigma) {
   }
 }
 
-}  // namespace dn::testing::mistakes_test
+}  // namespace dn::testing::apps_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace dn::network_test {
+namespace dn::core_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -199,4 +199,4 @@ TEST(FactorGroup, NamesChannelsByThatWhichTellsThemApart) {
   EXPECT_FALSE((FactorGroup{"prior", {}, {}, FactorGroup::Kind::kPrior}.measured()));
 }
 
-}  // namespace dn::network_test
+}  // namespace dn::core_test

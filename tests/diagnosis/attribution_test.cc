@@ -13,7 +13,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal::attribution_test {
+namespace dn::diagnosis_internal {
 
 using testing::AircraftScenario;
 using ::testing::AnyOf;
@@ -219,4 +219,4 @@ TEST(SelectEffects, TakesNothingWhereNoGapWasDetected) {
   EXPECT_EQ(attribution.slots[0].effect, "");
 }
 
-}  // namespace dn::internal::attribution_test
+}  // namespace dn::diagnosis_internal

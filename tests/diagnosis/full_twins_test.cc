@@ -8,11 +8,11 @@
 #include "explained_flight.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::full_twins_test {
+namespace dn::diagnosis_internal {
 
 using testing::DroneScenario;
 
-constexpr int kTwins = 5;
+constexpr int kFullTwins = 5;
 constexpr int kLinearTwins = 100;
 
 GapCause RangeOffset(double offset_m) {
@@ -48,7 +48,7 @@ class SimulatedReplicates : public ::testing::Test {
                                           const std::vector<GapCause>& causes) {
     const Trajectory trajectory(DenseTrajectory(explained.solution->network(), 0.01));
     SimulatedReplicateOptions options;
-    options.count = kTwins;
+    options.count = kFullTwins;
     options.threads = 2;
     return SimulateReplicates(*flight_,
                               MakeReplicateScenario(*flight_, trajectory, causes,
@@ -77,7 +77,7 @@ std::vector<NamedStatistics>* SimulatedReplicates::without_ = nullptr;
 std::vector<NamedStatistics>* SimulatedReplicates::with_ = nullptr;
 
 TEST_F(SimulatedReplicates, HaveTheStatisticsOfTheFlight) {
-  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kTwins));
+  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kFullTwins));
   for (const char* name : {"gnss position east, mean square", "lidar p2p up, mean, strips 1-2",
                            "gyro inertial gyro x, mean square"}) {
     EXPECT_TRUE(without_->front().count(name)) << name;
@@ -148,4 +148,4 @@ TEST(ReplicateMeanAndSigma, IsThatOfTheTwinsThatHaveIt) {
   EXPECT_FALSE(ReplicateMeanAndSigma(twins, "b").has_value());
 }
 
-}  // namespace dn::internal::full_twins_test
+}  // namespace dn::diagnosis_internal

@@ -10,7 +10,7 @@
 #include "explained_flight.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::twins_test {
+namespace dn::diagnosis_internal {
 
 using testing::DroneScenario;
 
@@ -109,8 +109,8 @@ TEST(TestReplicateConsistency, DifferWhereSomeAreOthers) {
 }
 
 /// A flight compared with its replicates.
-struct Compared {
-  explicit Compared(const std::string& effects) {
+struct ComparedReplicates {
+  explicit ComparedReplicates(const std::string& effects) {
     const Flight flight = Simulate(DroneScenario(effects), {}).flight;
     const GapOptions options;
     const ExtendedModelFitter model_fitter(flight, options);
@@ -131,14 +131,14 @@ struct Compared {
 };
 
 TEST(Locations, LinearTwinsAreAlike) {
-  const Compared without("");
+  const ComparedReplicates without("");
   EXPECT_GT(TestReplicateConsistency(without.twins), 1e-4);
   EXPECT_GT(without.test.p_value, 0.02);
   EXPECT_LT(std::abs(without.Z("gnss position east, mean square")), 4.0);
 }
 
 TEST(Locations, NoiseOfGnssShowsInGnss) {
-  const Compared noisy("effects: [{effect: gnss_noise_scale, value: 1.5}]");
+  const ComparedReplicates noisy("effects: [{effect: gnss_noise_scale, value: 1.5}]");
   EXPECT_LE(noisy.test.p_value, 0.03);
   for (const char* axis : {"east", "north", "up"}) {
     EXPECT_GT(noisy.Z(std::string("gnss position ") + axis + ", mean square"), 5.0) << axis;
@@ -147,14 +147,14 @@ TEST(Locations, NoiseOfGnssShowsInGnss) {
 }
 
 TEST(Locations, NoiseOfPairsShowsInPairs) {
-  const Compared noisy("effects: [{effect: p2p_noise_scale, value: 1.5}]");
+  const ComparedReplicates noisy("effects: [{effect: p2p_noise_scale, value: 1.5}]");
   EXPECT_LE(noisy.test.p_value, 0.03);
   EXPECT_GT(noisy.Z("lidar p2p east, mean square"), 5.0);
   EXPECT_LT(std::abs(noisy.Z("gnss position east, mean square")), 4.0);
 }
 
 TEST(Locations, PredictionErrorsAreInMetres) {
-  const Compared without("");
+  const ComparedReplicates without("");
   // sigma_p is 3 cm, that of GNSS 1.5 cm; a prediction adds its own error.
   EXPECT_GT(without.appearance.pair_rms_m, 0.029);
   EXPECT_LT(without.appearance.pair_rms_m, 0.04);
@@ -162,4 +162,4 @@ TEST(Locations, PredictionErrorsAreInMetres) {
   EXPECT_LT(without.appearance.gnss_rms_m, 0.04);
 }
 
-}  // namespace dn::internal::twins_test
+}  // namespace dn::diagnosis_internal

@@ -11,21 +11,24 @@
 #include <string>
 #include <vector>
 
+#include "factors/gyro_scale.h"
+#include "factors/mounting.h"
 #include "testing/earth_motion.h"
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::effects_test {
+namespace dn::factors_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using testing::EarthMotion;
+using testing::GyroScale;
+using testing::Mounting;
 using testing::State;
 
-const PreintegrationNoise kNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravityMps2, 1e-6};
-
-Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}; }
+const PreintegrationNoise kEffectsNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravityMps2,
+                                        1e-6};
 
 /// Stretches the laser vector, delays the tag and rotates the boresight: everything that a lidar
 /// effect can do.
@@ -41,18 +44,6 @@ class AllOfLidar final : public LidarEffect {
     reading->J_delay[column + 1] = 1.0;
     reading->turn_b_rad += value[2] * Vector3d(1.0, -2.0, 0.5);
     reading->J_turn.col(column + 2) = Vector3d(1.0, -2.0, 0.5);
-  }
-};
-
-class GyroScale final : public ImuEffect {
- public:
-  int components() const override { return 3; }
-  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
-               ImuReading* reading) const override {
-    const Vector3d inverse = (1.0 + value.array()).inverse();
-    reading->w_b = inverse.cwiseProduct(reading->w_b);
-    reading->J_w = inverse.asDiagonal() * reading->J_w;
-    reading->J_w.middleCols<3>(column).diagonal() = -inverse.cwiseProduct(reading->w_b);
   }
 };
 
@@ -77,9 +68,10 @@ class PairOfEffects : public ::testing::Test {
 
   LidarEnd End(double node_s, double t_s, const Vector3d& u_s) const {
     LidarEnd end;
-    end.partial = Preintegrate(
-        imu_, node_s, t_s,
-        {Vector3d::Zero(), Vector3d::Zero(), {{scale_, Vector3d(1e-3, 0.0, -2e-3)}}}, kNoise);
+    end.partial =
+        Preintegrate(imu_, node_s, t_s,
+                     {Vector3d::Zero(), Vector3d::Zero(), {{scale_, Vector3d(1e-3, 0.0, -2e-3)}}},
+                     kEffectsNoise);
     end.u_s = u_s;
     end.p_nominal_m = motion_.Pose(node_s).p_mb;
     return end;
@@ -190,8 +182,9 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), moved_scale);
   x[8][0] = 2e-3;  // so that the epoch is the end of the increments
   x[12] = Eigen::Vector2d(3e-3, 1e-3);
-  const Preintegrated anew = Preintegrate(
-      imu_, 1.0, 1.31, {Vector3d::Zero(), Vector3d::Zero(), {{scale_, moved_scale}}}, kNoise);
+  const Preintegrated anew =
+      Preintegrate(imu_, 1.0, 1.31, {Vector3d::Zero(), Vector3d::Zero(), {{scale_, moved_scale}}},
+                   kEffectsNoise);
   const MapPose end = Propagate(motion_.frame, motion_.Pose(1.0), anew, Vector3d::Constant(4e-3));
   const Eigen::Quaterniond q_boresight(x[6].data());
   const Vector3d l_b = x[7] + q_boresight * (Mounting() * Vector3d(950.0, 10.0, 300.0));
@@ -206,7 +199,7 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
 
 TEST_F(PairOfEffects, RejectsEndsWithOtherEffects) {
   LidarEnd plain = End(4.0, 4.2, {900.0, 0.0, 0.0});
-  plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kNoise);
+  plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kEffectsNoise);
   EXPECT_THROW(PointToPointBetweenNodes(motion_.frame, End(1.0, 1.3, {900.0, 0.0, 0.0}), plain, 1.3,
                                         4.2, Mounting(), {}, {}, Noise<3>::Sigma(1.0)),
                InvalidInput);
@@ -280,4 +273,4 @@ TEST(GnssAntenna, RejectsBadInput) {
   EXPECT_THROW(make(zero, zero, nan), InvalidInput);
 }
 
-}  // namespace dn::effects_test
+}  // namespace dn::factors_test

@@ -13,19 +13,19 @@
 #include "selected_inverse.h"
 #include "solvers/pose_graph.h"
 
-namespace dn::sparse_cholesky_test {
+namespace dn::solvers_test {
 
 constexpr int kSide = 8;
 constexpr int kBlockSize = 3;
 
 /// A cube of blocks, each connected to its neighbours; the last supernodes are several panels wide.
-struct Cube {
+struct BlockCube {
   Network network;
   SymmetricCsc blocks;
   SymmetricCsc A;
   Eigen::MatrixXd dense;
 
-  explicit Cube(unsigned seed) {
+  explicit BlockCube(unsigned seed) {
     blocks.n = kSide * kSide * kSide;
     for (int b = 0; b < blocks.n; ++b) {
       const auto x = network.AddVector<kBlockSize>("x" + std::to_string(b), {0.0, 0.0, 0.0});
@@ -73,12 +73,12 @@ struct Cube {
   }
 };
 
-std::vector<double> Values(const SparseCholesky& cholesky) {
+std::vector<double> CscValues(const SparseCholesky& cholesky) {
   return {cholesky.values(), cholesky.values() + cholesky.pattern().num_values};
 }
 
 TEST(SparseCholesky, AgreesWithDenseFactorisation) {
-  const Cube cube(1);
+  const BlockCube cube(1);
   const UnknownLayout layout(cube.network);
   SparseCholesky cholesky(cube.A, cube.blocks, layout);
   ASSERT_TRUE(cholesky.Factorize(cube.A, 0.5, 2));
@@ -107,7 +107,7 @@ TEST(SparseCholesky, AgreesWithDenseFactorisation) {
 
 // Uses more right-hand sides than are solved together, so that some are rows of a larger array.
 TEST(SparseCholesky, HalvesOfSolutionsMultiplyToTheWhole) {
-  const Cube cube(3);
+  const BlockCube cube(3);
   SparseCholesky cholesky(cube.A, cube.blocks, UnknownLayout(cube.network));
   ASSERT_TRUE(cholesky.Factorize(cube.A));
   const Eigen::MatrixXd B = Eigen::MatrixXd::Random(cube.A.n, 37);
@@ -123,7 +123,7 @@ TEST(SparseCholesky, HalvesOfSolutionsMultiplyToTheWhole) {
 }
 
 TEST(SparseCholesky, NumbersDoNotDependOnThreads) {
-  const Cube cube(2);
+  const BlockCube cube(2);
   const UnknownLayout layout(cube.network);
   SparseCholesky one(cube.A, cube.blocks, layout);
   ASSERT_TRUE(one.Factorize(cube.A));
@@ -131,14 +131,14 @@ TEST(SparseCholesky, NumbersDoNotDependOnThreads) {
   for (const int threads : {2, 5}) {
     SparseCholesky several(one);
     ASSERT_TRUE(several.Factorize(cube.A, 0.0, threads));
-    EXPECT_EQ(Values(several), Values(one)) << threads;
+    EXPECT_EQ(CscValues(several), CscValues(one)) << threads;
     const SelectedInverse inverse(several, threads);
     for (int c = 0; c < cube.A.n; ++c) ASSERT_EQ(inverse.At(c, c), inverse_of_one.At(c, c)) << c;
   }
 }
 
 TEST(SparseCholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
-  const Cube cube(3);
+  const BlockCube cube(3);
   const UnknownLayout layout(cube.network);
   SparseCholesky cholesky(cube.A, cube.blocks, layout);
   for (const int threads : {1, 2}) {
@@ -153,4 +153,4 @@ TEST(SparseCholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
   EXPECT_TRUE(cholesky.Factorize(cube.A));
 }
 
-}  // namespace dn::sparse_cholesky_test
+}  // namespace dn::solvers_test
