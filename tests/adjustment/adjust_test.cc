@@ -10,23 +10,16 @@
 
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::adjust_test {
+namespace dn::adjustment_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
 using testing::DroneScenario;
+using testing::Fly;
 using ::testing::HasSubstr;
-
-// A normal variable exceeds this many sigmas with probability 6e-5.
-constexpr double kSigmas = 4.0;
-
-SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed, bool noise = true) {
-  SimulateOptions options;
-  options.seed = seed;
-  options.noise = noise;
-  return Simulate(scenario, options);
-}
+using testing::kSigmas;
 
 double Worst(const Calibration& c, const SimulatedFlight& sim) {
   return c.BoresightError(sim.boresight_rad)
@@ -191,4 +184,4 @@ TEST(Adjust, NoisierGyrosGetMoreNodes) {
   EXPECT_LT(AutoNodeRateHz(flight), mems_hz);
 }
 
-}  // namespace dn::adjust_test
+}  // namespace dn::adjustment_test

@@ -14,18 +14,19 @@
 #include <vector>
 
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::faults_test {
+namespace dn::adjustment_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
+using testing::kSigmas;
 
 // Bound of a chi-square variable with three degrees of freedom; exceeded with probability 2.6e-5,
 // like 4.2 sigmas of a normal variable.
 constexpr double kWorstNees = 24.0;
-constexpr double kSigmas = 4.0;
 constexpr std::uint64_t kSeed = 3;
 // Without an early end these flights would take many clock steps and screenings, with several
 // solutions each.
@@ -296,4 +297,4 @@ TEST_P(FaultsManyRuns, DataThatDoNotBelongTogetherAreRefused) {
   EXPECT_THROW(Adjust(sim_.flight), std::runtime_error);
 }
 
-}  // namespace dn::faults_test
+}  // namespace dn::adjustment_test

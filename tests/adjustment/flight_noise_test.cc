@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-namespace dn::flight_noise_test {
+namespace dn::adjustment_test {
 
 struct PublishedAttitude {
   std::string scenario;
@@ -48,4 +48,4 @@ INSTANTIATE_TEST_SUITE_P(Grades, FlightNoise,
                                            PublishedAttitude{"hal4", .005, .008}),
                          [](const auto& tested) { return tested.param.scenario; });
 
-}  // namespace dn::flight_noise_test
+}  // namespace dn::adjustment_test

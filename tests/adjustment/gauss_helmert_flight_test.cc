@@ -18,7 +18,7 @@
 #include "testing/strip_pairs.h"
 #include "testing/temp_folder.h"
 
-namespace dn::gauss_helmert_flight_test {
+namespace dn::adjustment_test {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
@@ -517,4 +517,4 @@ TEST(GaussHelmertFlight, DrawsTheLinesOfARealFlightTogether) {
   EXPECT_THAT(Words(result.boresight.reasons), Contains(HasSubstr("2 strips")));
 }
 
-}  // namespace dn::gauss_helmert_flight_test
+}  // namespace dn::adjustment_test

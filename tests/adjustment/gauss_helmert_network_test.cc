@@ -10,7 +10,7 @@
 
 #include "testing/strip_pairs.h"
 
-namespace dn::gauss_helmert_network_test {
+namespace dn::adjustment_test {
 
 constexpr double kEqual = 1e-8;  // relative; both converge quadratically to rounding
 
@@ -110,4 +110,4 @@ TEST_P(GaussHelmertNetwork, EqualsTheNetworkWithPosePriors) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, GaussHelmertNetwork, ::testing::Values(1u, 2u, 3u, 4u, 5u));
 
-}  // namespace dn::gauss_helmert_network_test
+}  // namespace dn::adjustment_test

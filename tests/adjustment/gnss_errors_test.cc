@@ -14,7 +14,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::gnss_errors_test {
+namespace dn::adjustment_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 constexpr int kFlights = 14;
 const std::vector<GnssProcess> kProcesses{{{0.015, 0.015, 0.0}, 120.0}, {{0.0, 0.0, 0.03}, 60.0}};
 
-SimulatedFlight Fly(std::uint64_t seed) {
+SimulatedFlight FlyWithGnssErrors(std::uint64_t seed) {
   Scenario scenario = AircraftScenario();
   scenario.gnss.processes = kProcesses;
   SimulateOptions options;
@@ -46,7 +46,7 @@ double PositionNees(const SimulatedFlight& sim, const Calibration& calibration) 
 Nees FlightsNees(bool with_states) {
   Nees nees;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
-    SimulatedFlight sim = Fly(seed);
+    SimulatedFlight sim = FlyWithGnssErrors(seed);
     if (!with_states) sim.flight.config.gnss->processes.clear();
     const Calibration calibration(sim.flight);
     EXPECT_TRUE(calibration.adjustment.gnss_rejected.empty()) << "seed " << seed;
@@ -82,7 +82,7 @@ std::vector<GnssProcess> Pasted(const std::string& warning) {
 }
 
 TEST(GnssErrors, TheWarningHasTheEntryToPaste) {
-  SimulatedFlight sim = Fly(1);
+  SimulatedFlight sim = FlyWithGnssErrors(1);
   sim.flight.config.gnss->processes.clear();
   AdjustOptions options;
   options.with_pairs = false;
@@ -102,7 +102,7 @@ TEST(GnssErrors, TheWarningHasTheEntryToPaste) {
 }
 
 TEST(GnssErrors, ReportHasTheProcesses) {
-  const SimulatedFlight sim = Fly(2);
+  const SimulatedFlight sim = FlyWithGnssErrors(2);
   AdjustOptions options;
   options.with_pairs = false;
   const Adjustment adjustment = Adjust(sim.flight, options);
@@ -126,4 +126,4 @@ TEST(GnssErrors, ReportHasTheProcesses) {
   EXPECT_EQ(rows, static_cast<long>(network.gnss().edges().size()));
 }
 
-}  // namespace dn::gnss_errors_test
+}  // namespace dn::adjustment_test

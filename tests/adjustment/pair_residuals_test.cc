@@ -9,7 +9,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::pair_residuals_test {
+namespace dn::adjustment_test {
 
 constexpr double kSpacingS = 0.01;
 // Tolerance: the pair factor integrates from the node, but the trajectory is interpolated at 100
@@ -91,4 +91,4 @@ TEST_F(PairResidualsOfADrone, OneRowForEach) {
   EXPECT_EQ(std::count(row.begin(), row.begin() + static_cast<long>(row.find('\n')), ','), 16);
 }
 
-}  // namespace dn::pair_residuals_test
+}  // namespace dn::adjustment_test

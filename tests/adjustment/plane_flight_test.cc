@@ -13,7 +13,7 @@
 #include "testing/short_flights.h"
 #include "testing/strip_planes.h"
 
-namespace dn::plane_flight_test {
+namespace dn::adjustment_test {
 
 using Eigen::Vector3d;
 using testing::BoresightError;
@@ -168,4 +168,4 @@ TEST(PlaneFlight, UnknownsThatPlanesLackAreNamed) {
   EXPECT_THROW(CalibratePlanes(test.flight, {}), InvalidConfig);
 }
 
-}  // namespace dn::plane_flight_test
+}  // namespace dn::adjustment_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace dn::pose_interpolator_test {
+namespace dn::adjustment_test {
 
 constexpr double kAmplitudeRad = 0.02;
 constexpr double kMotionHz = 1.0;
@@ -98,4 +98,4 @@ TEST(PoseInterpolator, OutsideIsAnErrorThatNamesTheTimes) {
   EXPECT_THROW(PoseInterpolator({TruePose(0.0)}), InvalidInput);
 }
 
-}  // namespace dn::pose_interpolator_test
+}  // namespace dn::adjustment_test

@@ -12,7 +12,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::raw_inertial_test {
+namespace dn::adjustment_test {
 
 using testing::Calibration;
 
@@ -135,4 +135,4 @@ TEST(RawInertial, IsTheSameWhereItIsTakenLast) {
   EXPECT_NEAR(last.cost / first.cost, 1.0, kSameCost);
 }
 
-}  // namespace dn::raw_inertial_test
+}  // namespace dn::adjustment_test

@@ -15,19 +15,18 @@
 
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::stages_test {
+namespace dn::adjustment_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+using testing::kSigmas;
 
-// A normal variable exceeds this many sigmas with probability 6e-5.
-constexpr double kSigmas = 4.0;
-
-SimulatedFlight Fly(std::uint64_t seed) {
+SimulatedFlight FlyDrone(std::uint64_t seed) {
   SimulateOptions options;
   options.seed = seed;
   return Simulate(DroneScenario(), options);
@@ -35,7 +34,7 @@ SimulatedFlight Fly(std::uint64_t seed) {
 
 /// Shifts a tenth of the pairs by 0.5 to 2 m.
 SimulatedFlight WithWrongPairs(std::uint64_t seed) {
-  SimulatedFlight sim = Fly(seed);
+  SimulatedFlight sim = FlyDrone(seed);
   Random random(3, "wrong pairs");
   for (LidarPair& pair : sim.flight.pairs->pairs) {
     if (random.Uniform() > 0.1) continue;
@@ -46,7 +45,7 @@ SimulatedFlight WithWrongPairs(std::uint64_t seed) {
 
 /// Shifts one GNSS epoch in twenty by 0.2 to 1 m in a random direction.
 SimulatedFlight WithWrongGnss(std::uint64_t seed) {
-  SimulatedFlight sim = Fly(seed);
+  SimulatedFlight sim = FlyDrone(seed);
   Random random(4, "wrong GNSS");
   for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) {
     if (random.Uniform() > 0.05) continue;
@@ -81,7 +80,7 @@ TEST(Stages, OneMayBeLeftOut) {
 }
 
 TEST(Stages, OneMayBeAdded) {
-  const SimulatedFlight sim = Fly(5);
+  const SimulatedFlight sim = FlyDrone(5);
   std::vector<std::string> solved_before;
   AdjustOptions options;
   options.stages = DefaultStages();
@@ -120,7 +119,7 @@ TEST(Stages, PairsMayBeJudgedTwice) {
 }
 
 TEST(Stages, PairsMustBeThere) {
-  SimulatedFlight sim = Fly(5);
+  SimulatedFlight sim = FlyDrone(5);
   sim.flight.pairs.reset();
   AdjustOptions options;
   options.with_pairs = false;
@@ -129,7 +128,7 @@ TEST(Stages, PairsMustBeThere) {
 }
 
 TEST(Stages, WithoutANetworkNothingCanBeSolved) {
-  const SimulatedFlight sim = Fly(5);
+  const SimulatedFlight sim = FlyDrone(5);
   AdjustOptions options;
   options.stages = {{"final least squares", SolveFinally}};
   EXPECT_THROW(Adjust(sim.flight, options), InvalidConfig);
@@ -211,7 +210,7 @@ class OwnFactors : public ::testing::TestWithParam<bool> {
     }
   }
 
-  SimulatedFlight sim_ = Fly(5);
+  SimulatedFlight sim_ = FlyDrone(5);
   Block<Scalar> offset_;
   std::size_t pairs_at_call_ = 0;
 };
@@ -283,7 +282,7 @@ INSTANTIATE_TEST_SUITE_P(ManyRuns, RobustKernels, ::testing::Values(RobustKind::
                          kKernelName);
 
 TEST(NodeRate, HoldsOverTheWholeFlightWithoutPairs) {
-  SimulatedFlight sim = Fly(2);
+  SimulatedFlight sim = FlyDrone(2);
   AdjustOptions options;
   options.with_pairs = false;
   const Adjustment usual = Adjust(sim.flight, options);
@@ -297,10 +296,10 @@ TEST(NodeRate, HoldsOverTheWholeFlightWithoutPairs) {
 }
 
 TEST(NodeRate, IsNowhereBelowOneHertz) {
-  SimulatedFlight sim = Fly(2);
+  SimulatedFlight sim = FlyDrone(2);
   sim.flight.config.network.node_rate_hz = 0.1;
   EXPECT_EQ(NodeRateHz(sim.flight, true), 1.0);
   EXPECT_EQ(NodeRateHz(sim.flight, false), 1.0);
 }
 
-}  // namespace dn::stages_test
+}  // namespace dn::adjustment_test

@@ -1,7 +1,7 @@
 #include <dn/adjustment/swath_separation.h>
 #include <gtest/gtest.h>
 
-namespace dn::swath_separation_test {
+namespace dn::adjustment_test {
 
 TEST(SwathSeparation, CountsHeightsOfBothSigns) {
   SwathSeparation separation;
@@ -24,4 +24,4 @@ TEST(SwathSeparation, ItsLimitsAreIncluded) {
   EXPECT_EQ(separation.ToJson()["to_8_cm"], 1.0);
 }
 
-}  // namespace dn::swath_separation_test
+}  // namespace dn::adjustment_test

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::words_test {
+namespace dn::adjustment_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -103,4 +103,4 @@ TEST(Words, TheFileOverridesTheCorrelationTimeOfThePairs) {
   EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
 }
 
-}  // namespace dn::words_test
+}  // namespace dn::adjustment_test

@@ -15,7 +15,7 @@
 #include "static_record.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::allan_test {
+namespace dn::testing::apps_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(CliAllan, MeasuredSensor) {
   EXPECT_NEAR(model["floor"]["deviation"], 27.0, 6.0);
 }
 
-}  // namespace dn::testing::allan_test
+}  // namespace dn::testing::apps_test

@@ -10,7 +10,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::bad_input_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -407,4 +407,4 @@ TEST(CliBadInput, CheckSaysWhatIsMissing) {
   EXPECT_THAT(run.out, HasSubstr("dn calibrate --method dn  missing: pairs"));
 }
 
-}  // namespace dn::testing::bad_input_test
+}  // namespace dn::testing::apps_test

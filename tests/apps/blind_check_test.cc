@@ -14,12 +14,12 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::blind_check_test {
+namespace dn::testing::apps_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-std::vector<std::string> Arguments(const fs::path& out, const std::string& shard) {
+std::vector<std::string> BlindCheckArguments(const fs::path& out, const std::string& shard) {
   return {"blind-check", "--flights",     "2",     "--scenarios", ShortScenario(), "--seed",
           "8",           "--threads",     "1",     "--shard",     shard,           "--out",
           out,           "--gap-options", "screen"};
@@ -37,8 +37,8 @@ class BlindCheck : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
-    one_ = RunProgram(Arguments(Path("one"), "1/2"));
-    two_ = RunProgram(Arguments(Path("two"), "2/2"));
+    one_ = RunProgram(BlindCheckArguments(Path("one"), "1/2"));
+    two_ = RunProgram(BlindCheckArguments(Path("two"), "2/2"));
   }
   static void TearDownTestSuite() { delete folder_; }
 
@@ -81,7 +81,8 @@ TEST_F(BlindCheck, MergedShardsAreTheBytesOfOneRun) {
   ExpectPageMatchesFiles(merged, 30);
   fs::create_directories(whole);
   fs::copy(merged / "records", whole / "records");
-  const ProgramRun one_run = RunProgram(Arguments(whole, "1/1"));  // only evaluates records
+  const ProgramRun one_run =
+      RunProgram(BlindCheckArguments(whole, "1/1"));  // only evaluates records
   ASSERT_EQ(one_run.exit_code, 0) << one_run.err;
   EXPECT_FALSE(fs::exists(whole / "flights")) << "flown again";
   for (const char* name :
@@ -105,7 +106,7 @@ TEST_F(BlindCheck, ARecordIsTheOneThatItsNameSays) {
     const ProgramRun merge = RunProgram({"merge", changed, Path("two"), "--out", Path("refused")});
     EXPECT_EQ(merge.exit_code, 1) << key;
     EXPECT_THAT(merge.err, HasSubstr(message));
-    const ProgramRun resumed = RunProgram(Arguments(changed, "1/2"));
+    const ProgramRun resumed = RunProgram(BlindCheckArguments(changed, "1/2"));
     EXPECT_EQ(resumed.exit_code, 1) << key;
     EXPECT_THAT(resumed.err, HasSubstr(message));
   }
@@ -119,7 +120,7 @@ TEST_F(BlindCheck, AFolderOfItsResultsThatIsALinkIsRefused) {
     fs::create_directories(elsewhere / "001");
     std::ofstream(elsewhere / "001/notes.txt") << "of the user";
     fs::create_directory_symlink(elsewhere, out / name);
-    const ProgramRun run = RunProgram(Arguments(out, "1/2"));
+    const ProgramRun run = RunProgram(BlindCheckArguments(out, "1/2"));
     EXPECT_EQ(run.exit_code, 1) << name;
     EXPECT_THAT(run.err, HasSubstr("is a file or link, but the results need a folder"));
     EXPECT_EQ(NamesIn(elsewhere), std::vector<std::string>{"001"});
@@ -128,7 +129,7 @@ TEST_F(BlindCheck, AFolderOfItsResultsThatIsALinkIsRefused) {
 }
 
 TEST_F(BlindCheck, RecordsOfAnotherSeriesAreNotMixed) {
-  std::vector<std::string> other = Arguments(Path("one"), "1/2");
+  std::vector<std::string> other = BlindCheckArguments(Path("one"), "1/2");
   other[6] = "9";
   const ProgramRun run = RunProgram(other);
   EXPECT_EQ(run.exit_code, 2);
@@ -166,7 +167,7 @@ bool NothingStaysStaged(const fs::path& folder) {
 /// finished.
 ProgramOptions TwoAtATime(const fs::path& out) {
   ProgramOptions options;
-  options.arguments = Arguments(out, "1/1");
+  options.arguments = BlindCheckArguments(out, "1/1");
   options.arguments[2] = "50";
   options.arguments[8] = "2";
   options.signal_after = "flights (";
@@ -193,4 +194,4 @@ TEST(BlindCheckUsage, AnInterruptedCheckEndsItsPrograms) {
   EXPECT_FALSE(fs::exists(folder.path() / "out" / "blind_check.json"));
 }
 
-}  // namespace dn::testing::blind_check_test
+}  // namespace dn::testing::apps_test

@@ -12,7 +12,7 @@
 #include "strip_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::browser_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -141,4 +141,4 @@ TEST_P(Browser, DrawsEveryChartWithoutAWordInItsConsole) {
 
 INSTANTIATE_TEST_SUITE_P(Widths, Browser, ::testing::Values(1280, 400));
 
-}  // namespace dn::testing::browser_test
+}  // namespace dn::testing::apps_test

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "run_program.h"
+#include "load_json.h"
 
 namespace dn::testing {
 
@@ -18,7 +18,7 @@ inline std::filesystem::path ChangedCopy(const std::filesystem::path& folder,
                                          const std::function<void(Json*)>& change) {
   std::filesystem::remove_all(copy);
   std::filesystem::copy(folder, copy, std::filesystem::copy_options::recursive);
-  Json json = Json::parse(FileContent(copy / file));
+  Json json = LoadJson(copy / file);
   change(&json);
   std::ofstream(copy / file) << json.dump() << "\n";
   return copy;

@@ -7,7 +7,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::completion_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 
@@ -38,4 +38,4 @@ TEST(Completion, OfZshThroughThatOfBash) {
   EXPECT_THAT(fish.err, HasSubstr("fish"));
 }
 
-}  // namespace dn::testing::completion_test
+}  // namespace dn::testing::apps_test

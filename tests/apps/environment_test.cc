@@ -7,7 +7,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::environment_test {
+namespace dn::testing::apps_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -142,4 +142,4 @@ TEST(CliEnvironment, ANodeRateThatNoMemoryHoldsIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("network.node_rate_hz"));
 }
 
-}  // namespace dn::testing::environment_test
+}  // namespace dn::testing::apps_test

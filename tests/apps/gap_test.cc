@@ -7,7 +7,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::gap_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
@@ -92,4 +92,4 @@ TEST(CliGap, RefusesWhatContradictsItself) {
   ExpectWrongUsage({"--without", "moonlight"}, "moonlight");
 }
 
-}  // namespace dn::testing::gap_test
+}  // namespace dn::testing::apps_test

@@ -10,7 +10,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::gauss_helmert_test {
+namespace dn::testing::apps_test {
 
 using ::testing::AnyOf;
 using ::testing::Contains;
@@ -21,8 +21,6 @@ using ::testing::Not;
 namespace fs = std::filesystem;
 
 std::string SmoothedTrajectory() { return (SmoothResult() / "trajectory.out").string(); }
-
-Json LoadJson(const fs::path& file) { return Json::parse(FileContent(file)); }
 
 /// Removes the section imu from flight.yaml.
 void RemoveImuSection(const DamagedFlight& flight) {
@@ -345,4 +343,4 @@ TEST(CliGaussHelmert, TentIsToldThatItHasNoPairs) {
   EXPECT_THAT(run.err, ::testing::HasSubstr("no file of lidar.p2p exists"));
 }
 
-}  // namespace dn::testing::gauss_helmert_test
+}  // namespace dn::testing::apps_test

@@ -11,7 +11,7 @@
 #include "page_numbers.h"
 #include "testing/las_bytes.h"
 
-namespace dn::testing::georef_test {
+namespace dn::testing::apps_test {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -219,4 +219,4 @@ TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {
   ExpectFailure(flight.Run("georef"), 2, "strips_crs is 'none'");
 }
 
-}  // namespace dn::testing::georef_test
+}  // namespace dn::testing::apps_test

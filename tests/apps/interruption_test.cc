@@ -11,7 +11,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::interruption_test {
+namespace dn::testing::apps_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST(CliInterruption, APipeIsNoInput) {
   EXPECT_EQ(flight.Run("smooth").exit_code, 2);
 }
 
-}  // namespace dn::testing::interruption_test
+}  // namespace dn::testing::apps_test

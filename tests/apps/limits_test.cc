@@ -4,7 +4,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::limits_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST(CliLimits, ALinkToItselfIsLeftOut) {
               HasSubstr("strips/1.las leads back to itself; it is ignored"));
 }
 
-}  // namespace dn::testing::limits_test
+}  // namespace dn::testing::apps_test

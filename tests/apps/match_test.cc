@@ -11,7 +11,7 @@
 #include "strip_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::match_test {
+namespace dn::testing::apps_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -202,4 +202,4 @@ TEST(CliMatchLimits, ASearchWithoutEnd) {
   }
 }
 
-}  // namespace dn::testing::match_test
+}  // namespace dn::testing::apps_test

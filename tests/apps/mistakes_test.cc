@@ -12,7 +12,7 @@
 
 #include "flight_of_numbers.h"
 
-namespace dn::testing::mistakes_test {
+namespace dn::testing::apps_test {
 
 using ::testing::AnyOf;
 using ::testing::Each;
@@ -333,4 +333,4 @@ TEST(RepeatedPairsManyRuns, NarrowNoSigma) {
   }
 }
 
-}  // namespace dn::testing::mistakes_test
+}  // namespace dn::testing::apps_test

@@ -7,12 +7,12 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::monte_carlo_test {
+namespace dn::testing::apps_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-std::vector<std::string> Arguments(const fs::path& out, const std::string& flights) {
+std::vector<std::string> MonteCarloArguments(const fs::path& out, const std::string& flights) {
   return {"monte-carlo", ShortScenario(), "--flights", flights, "--epoch-spacing",
           "20",          "--threads",     "2",         "--out", out};
 }
@@ -20,7 +20,7 @@ std::vector<std::string> Arguments(const fs::path& out, const std::string& fligh
 TEST(MonteCarloManyRuns, JudgesFliesOnAndRefusesToMix) {
   const TempFolder folder;
   const fs::path out = folder.path() / "mc";
-  const ProgramRun first = RunProgram(Arguments(out, "2"));
+  const ProgramRun first = RunProgram(MonteCarloArguments(out, "2"));
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("2 flights of short"));
   EXPECT_THAT(first.out, HasSubstr("boresight NEES / 3"));
@@ -31,19 +31,19 @@ TEST(MonteCarloManyRuns, JudgesFliesOnAndRefusesToMix) {
   EXPECT_EQ(FileContent(out / "table.txt"), first.out);
   const auto made = fs::last_write_time(out / "flights" / "000001.json");
 
-  const ProgramRun more = RunProgram(Arguments(out, "3"));
+  const ProgramRun more = RunProgram(MonteCarloArguments(out, "3"));
   ASSERT_EQ(more.exit_code, 0) << more.err;
   EXPECT_EQ(Json::parse(FileContent(out / "monte_carlo.json"))["flights"], 3);
   EXPECT_EQ(fs::last_write_time(out / "flights" / "000001.json"), made) << "flown again";
 
-  std::vector<std::string> other = Arguments(out, "3");
+  std::vector<std::string> other = MonteCarloArguments(out, "3");
   other.emplace_back("--without-pairs");
   const ProgramRun mixed = RunProgram(other);
   EXPECT_EQ(mixed.exit_code, 2);
   EXPECT_THAT(mixed.err, HasSubstr("another scenario, version or option"));
 
   std::ofstream(out / "flights" / "000002.json") << "{\"seed\": 2";
-  const ProgramRun damaged = RunProgram(Arguments(out, "3"));
+  const ProgramRun damaged = RunProgram(MonteCarloArguments(out, "3"));
   EXPECT_EQ(damaged.exit_code, 1);
   EXPECT_THAT(damaged.err, HasSubstr("000002.json"));
   EXPECT_THAT(damaged.err, HasSubstr("delete the file"));
@@ -53,7 +53,7 @@ TEST(MonteCarloManyRuns, AnInterruptedRunKeepsItsFlights) {
   const TempFolder folder;
   const fs::path out = folder.path() / "mc";
   ProgramOptions options;
-  options.arguments = Arguments(out, "1000");
+  options.arguments = MonteCarloArguments(out, "1000");
   options.signal = SIGINT;
   options.signal_after = "flights (";
   const ProgramRun run = RunProgram(options);
@@ -63,4 +63,4 @@ TEST(MonteCarloManyRuns, AnInterruptedRunKeepsItsFlights) {
   EXPECT_FALSE(fs::exists(out / "monte_carlo.json"));
 }
 
-}  // namespace dn::testing::monte_carlo_test
+}  // namespace dn::testing::apps_test

@@ -8,7 +8,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::output_folder_test {
+namespace dn::testing::apps_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -222,4 +222,4 @@ TEST(CliOutputFolder, ANameReachesNoInterpreter) {
   EXPECT_FALSE(fs::exists(touched));
 }
 
-}  // namespace dn::testing::output_folder_test
+}  // namespace dn::testing::apps_test

@@ -6,7 +6,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::output_test {
+namespace dn::testing::apps_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -142,4 +142,4 @@ TEST(CliOutput, InterruptedSimulationLeavesNoFlight) {
   EXPECT_THAT(NamesIn(folder.path() / "f"), ElementsAre("report.json"));
 }
 
-}  // namespace dn::testing::output_test
+}  // namespace dn::testing::apps_test

@@ -10,7 +10,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing::own_data_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -282,4 +282,4 @@ TEST(CliInit, AFolderWithoutDataIsRefused) {
   EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
 }
 
-}  // namespace dn::testing::own_data_test
+}  // namespace dn::testing::apps_test

@@ -6,7 +6,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::page_test {
+namespace dn::testing::apps_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -124,4 +124,4 @@ TEST(CliPage, AFailureIsSaid) {
               AllOf(HasSubstr("failed"), HasSubstr("no IMU data"), Not(HasSubstr("</script>no"))));
 }
 
-}  // namespace dn::testing::page_test
+}  // namespace dn::testing::apps_test

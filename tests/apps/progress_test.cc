@@ -8,7 +8,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::progress_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 
@@ -65,4 +65,4 @@ TEST(JsonProgress, AnErrorStaysALineToRead) {
   EXPECT_THAT(run.err, HasSubstr("dn calibrate: error: "));
 }
 
-}  // namespace dn::testing::progress_test
+}  // namespace dn::testing::apps_test

@@ -13,7 +13,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::results_test {
+namespace dn::testing::apps_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -25,8 +25,6 @@ using ::testing::UnorderedElementsAre;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kSbetRecordBytes = 17 * 8;
-
-Json LoadJson(const fs::path& file) { return Json::parse(FileContent(file)); }
 
 std::vector<std::string> JsonKeys(const Json& json) {
   std::vector<std::string> keys;
@@ -300,4 +298,4 @@ TEST(CliCalibrate, TheSmoothedTrajectoryIsNearTheTrueOne) {
   EXPECT_LT(errors["roll_pitch_heading_rmse_deg"][1], kRollPitchDeg);
 }
 
-}  // namespace dn::testing::results_test
+}  // namespace dn::testing::apps_test

@@ -13,7 +13,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::series_test {
+namespace dn::testing::apps_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -254,4 +254,4 @@ TEST_F(SeriesOfThree, AShardIsINotMoreThanN) {
   EXPECT_THAT(empty.err, HasSubstr("is empty"));
 }
 
-}  // namespace dn::testing::series_test
+}  // namespace dn::testing::apps_test

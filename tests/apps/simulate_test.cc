@@ -10,7 +10,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::simulate_test {
+namespace dn::testing::apps_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -145,4 +145,4 @@ TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("wrong.yaml:"));
 }
 
-}  // namespace dn::testing::simulate_test
+}  // namespace dn::testing::apps_test

@@ -8,7 +8,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::study_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
@@ -192,4 +192,4 @@ TEST(CliStudy, ChoosesTheLinesOfThePlan) {
   EXPECT_FALSE(fs::exists(out / "plan.yaml"));
 }
 
-}  // namespace dn::testing::study_test
+}  // namespace dn::testing::apps_test

@@ -9,7 +9,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::terminal_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -104,4 +104,4 @@ TEST(CliTerminal, ACommandToPasteNamesItsFolderAsItIs) {
   }
 }
 
-}  // namespace dn::testing::terminal_test
+}  // namespace dn::testing::apps_test

@@ -6,7 +6,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::usage_test {
+namespace dn::testing::apps_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -246,4 +246,4 @@ TEST(CliUsage, UnknownScenarioNamesTheNearest) {
   EXPECT_THAT(run.err, HasSubstr("did you mean 'lar3'"));
 }
 
-}  // namespace dn::testing::usage_test
+}  // namespace dn::testing::apps_test

@@ -10,7 +10,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::blind_flight_test {
+namespace dn::blind_check_test {
 
 constexpr int kDrawn = 150;
 
@@ -239,4 +239,4 @@ TEST(UnlistedEffect, AWarmingBoresightIsZeroInTheMiddleOfTheStrips) {
   EXPECT_GT(early, 1.5 * own.boresight_rad(pose).norm()) << "the rate must decrease";
 }
 
-}  // namespace dn::blind_flight_test
+}  // namespace dn::blind_check_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace dn::blind_record_test {
+namespace dn::blind_check_test {
 
 Json GapJson() {
   return Json::parse(R"({
@@ -111,4 +111,4 @@ TEST(BlindRecord, SurvivesItsFile) {
   EXPECT_EQ(outside.signature->nearest, "lidar_scan_cone");
 }
 
-}  // namespace dn::blind_record_test
+}  // namespace dn::blind_check_test

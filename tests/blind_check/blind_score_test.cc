@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dn::blind_score_test {
+namespace dn::blind_check_test {
 
 using ::testing::HasSubstr;
 
@@ -283,4 +283,4 @@ TEST(BlindScore, WritesATableAJsonAndRows) {
 
 TEST(BlindScore, OfNothingIsRefused) { EXPECT_THROW(ScoreBlindFlights({}), InvalidInput); }
 
-}  // namespace dn::blind_score_test
+}  // namespace dn::blind_check_test

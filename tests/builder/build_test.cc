@@ -5,42 +5,36 @@
 
 #include <vector>
 
+#include "builder/drone_flight.h"
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn::build_test {
+namespace dn::builder_test {
 
-const SimulatedFlight& Drone() {
-  static const SimulatedFlight sim = [] {
-    SimulateOptions options;
-    options.seed = 7;
-    return Simulate(testing::DroneScenario(), options);
-  }();
-  return sim;
-}
+using testing::DroneFlight;
 
 const Solution& Solved() {
-  static const Solution solution(Drone().flight);
+  static const Solution solution(DroneFlight().flight);
   return solution;
 }
 
 /// Returns a design with the true motion at the rate of the inertial samples.
 NetworkDesign Plan() {
   NetworkDesign design;
-  const ImuData& imu = *Drone().flight.imu;
-  design.poses.push_back(Drone().truth->Pose(imu.t_begin_s()));
+  const ImuData& imu = *DroneFlight().flight.imu;
+  design.poses.push_back(DroneFlight().truth->Pose(imu.t_begin_s()));
   for (const ImuSample& sample : imu.samples) {
-    design.poses.push_back(Drone().truth->Pose(sample.t_s));
+    design.poses.push_back(DroneFlight().truth->Pose(sample.t_s));
   }
   return design;
 }
 
 /// Returns the drone flight without measurements except the laser vectors.
 Flight WithoutData() {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.imu.reset();
   flight.gnss.reset();
-  flight.config.lidar->mounting.boresight_rad = Drone().boresight_rad;
+  flight.config.lidar->mounting.boresight_rad = DroneFlight().boresight_rad;
   return flight;
 }
 
@@ -83,14 +77,14 @@ TEST(Build, ASolutionIsADesign) {
   design.calibration = solved.calibration().State();
   design.gyro_bias_radps = solved.trajectory().GyroBias(design.node_t_s.front());
   design.accel_bias_mps2 = solved.trajectory().AccelBias(design.node_t_s.front());
-  const FlightNetwork network = Build(Drone().flight, design);
+  const FlightNetwork network = Build(DroneFlight().flight, design);
   EXPECT_EQ(network.net().num_factors(), solved.net().num_factors());
   const Eigen::Vector3d sigma = BoresightSigma(network), found = Solved().Boresight().sigma_rad();
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(sigma[i] / found[i], 1.0, 1e-3) << i;
 }
 
 TEST(Build, MeasurementsThatThereAreStay) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   const std::size_t samples = flight.imu->samples.size(), epochs = flight.gnss->epochs.size();
   PlanMeasurements(Plan(), {}, &flight);
   EXPECT_EQ(flight.imu->samples.size(), samples);
@@ -101,7 +95,7 @@ TEST(Build, WhatIsMissingIsNamed) {
   const NetworkDesign design = Plan();
   Flight flight = WithoutData();
   testing::ExpectInvalid([&] { Build(flight, design); }, "PlanMeasurements", 0);
-  flight.imu = Drone().flight.imu;
+  flight.imu = DroneFlight().flight.imu;
   testing::ExpectInvalid([&] { Build(flight, design); }, "no GNSS epochs", 0);
   testing::ExpectInvalid([&] { PlanMeasurements(design, {.gnss_hz = 0.0}, &flight); }, "GNSS rate",
                          0);
@@ -109,4 +103,4 @@ TEST(Build, WhatIsMissingIsNamed) {
                          0);
 }
 
-}  // namespace dn::build_test
+}  // namespace dn::builder_test

@@ -5,7 +5,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::calibration_blocks_test {
+namespace dn::builder_test {
 
 /// Returns a flight that estimates effects on each sensor, in another order than that of the
 /// corrections.
@@ -68,4 +68,4 @@ TEST(CalibrationBlocks, OnlyClocksMoveTheEpochsOfTheLaser) {
   }
 }
 
-}  // namespace dn::calibration_blocks_test
+}  // namespace dn::builder_test

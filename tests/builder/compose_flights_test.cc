@@ -16,7 +16,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::compose_flights_test {
+namespace dn::builder_test {
 
 SimulatedFlight Fly(std::uint64_t seed) {
   SimulateOptions options;
@@ -146,4 +146,4 @@ TEST(ComposedFlights, EliminateAFinishedFlight) {
   EXPECT_LE((Information(net, "boresight") - sum).norm(), 1e-5 * sum.norm());
 }
 
-}  // namespace dn::compose_flights_test
+}  // namespace dn::builder_test

@@ -11,7 +11,7 @@
 
 #include "testing/random.h"
 
-namespace dn::effects_test {
+namespace dn::builder_test {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -344,4 +344,4 @@ TEST(AssumedCalibration, RefusesWhatLacksItsTimeOrItsSensor) {
   EXPECT_THROW(AssumedCalibration(flight), InvalidConfig);
 }
 
-}  // namespace dn::effects_test
+}  // namespace dn::builder_test

@@ -19,30 +19,23 @@
 #include <type_traits>
 #include <utility>
 
+#include "builder/drone_flight.h"
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn::flight_network_test {
+namespace dn::builder_test {
 
 using testing::Calibration;
+using testing::DroneFlight;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
-
-const SimulatedFlight& Drone() {
-  static const SimulatedFlight sim = [] {
-    SimulateOptions options;
-    options.seed = 7;
-    return Simulate(DroneScenario(), options);
-  }();
-  return sim;
-}
 
 /// Returns a network of the drone flight with the truth as initial values.
 FlightNetwork AtTruth(const Flight& flight, const FlightNetworkOptions& options = {}) {
   const TimeInterval span = NetworkSpan(flight, true);
   const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
   InitialStates initial;
-  for (const double t_s : times) initial.nodes.push_back(Drone().truth->Pose(t_s));
+  for (const double t_s : times) initial.nodes.push_back(DroneFlight().truth->Pose(t_s));
   return FlightNetwork(flight, times, initial, options);
 }
 
@@ -55,7 +48,7 @@ std::map<std::string, long> GroupCounts(const Network& net) {
 }
 
 TEST(FlightNetwork, BlocksHaveTheirNames) {
-  const FlightNetwork network = AtTruth(Drone().flight);
+  const FlightNetwork network = AtTruth(DroneFlight().flight);
   const std::string last = std::to_string(network.nodes().size() - 1);
   EXPECT_EQ(network.net().Find("q_mb/0"), network.nodes().front().q_mb.id);
   EXPECT_EQ(network.net().Find("p_mb/" + last), network.nodes().back().p_mb.id);
@@ -70,19 +63,19 @@ TEST(FlightNetwork, BlocksHaveTheirNames) {
 }
 
 TEST(FlightNetwork, GroupsHaveTheirCounts) {
-  FlightNetwork network = AtTruth(Drone().flight);
-  network.AddPairs(Drone().flight.pairs->pairs);
+  FlightNetwork network = AtTruth(DroneFlight().flight);
+  network.AddPairs(DroneFlight().flight.pairs->pairs);
   auto counts = GroupCounts(network.net());
   const long nodes = static_cast<long>(network.nodes().size());
   const long chain = static_cast<long>(network.trajectory().gyro_bias()[1].blocks.size());
   EXPECT_EQ(counts["inertial"], nodes - 1);
   EXPECT_EQ(counts["gnss position"], static_cast<long>(network.gnss().edges().size()));
   EXPECT_EQ(counts["gnss position"],
-            static_cast<long>(GnssTimes(Drone().flight, {-1e300, 1e300}).size()) -
-                static_cast<long>(Drone().flight.gnss->epochs.back().t_s >
-                                  Drone().flight.imu->t_end_s() - 1e-6) -
-                static_cast<long>(Drone().flight.gnss->epochs.front().t_s <
-                                  Drone().flight.imu->t_begin_s() + 1e-6));
+            static_cast<long>(GnssTimes(DroneFlight().flight, {-1e300, 1e300}).size()) -
+                static_cast<long>(DroneFlight().flight.gnss->epochs.back().t_s >
+                                  DroneFlight().flight.imu->t_end_s() - 1e-6) -
+                static_cast<long>(DroneFlight().flight.gnss->epochs.front().t_s <
+                                  DroneFlight().flight.imu->t_begin_s() + 1e-6));
   EXPECT_EQ(counts["gnss velocity"], 0);
   EXPECT_EQ(counts["lidar p2p"], 300);
   EXPECT_EQ(counts["prior"], 4) << "one per bias process";
@@ -94,7 +87,7 @@ TEST(FlightNetwork, GroupsHaveTheirCounts) {
 // noise. If it is three times as large, the interval is a ninth of that, which is less than one
 // epoch.
 TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.config.gnss->processes = {{{0.015, 0.0, 0.03}, 120.0}, {{0.0, 0.0, 0.09}, 120.0}};
   FlightNetwork network = AtTruth(flight);
   ASSERT_EQ(network.trajectory().gnss_error().size(), 2U);
@@ -122,7 +115,7 @@ TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
 TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   FlightNetworkOptions options;
   options.bias_interval_per_tau = 0.01;  // 6 s for tau = 600 s
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.config.imu->model.gyro.processes.push_back({BiasProcess::Type::kRandomWalk, 1e-7, 0.0});
   const FlightNetwork network = AtTruth(flight, options);
   ASSERT_EQ(network.trajectory().gyro_bias().size(), 3U);
@@ -144,11 +137,11 @@ TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
 }
 
 TEST(FlightNetwork, StartingBiasGoesToTheFirstProcess) {
-  const Flight& flight = Drone().flight;
+  const Flight& flight = DroneFlight().flight;
   const TimeInterval span = NetworkSpan(flight, true);
   InitialStates initial;
   const std::vector<double> times = NodeTimes(*flight.imu, span, {}, {}, {});
-  for (const double t_s : times) initial.nodes.push_back(Drone().truth->Pose(t_s));
+  for (const double t_s : times) initial.nodes.push_back(DroneFlight().truth->Pose(t_s));
   initial.gyro_bias_radps = {1e-4, -2e-4, 3e-4};
   initial.accel_bias_mps2 = {0.01, 0.02, -0.03};
   const FlightNetwork network(flight, times, initial);
@@ -176,7 +169,7 @@ TEST(FlightNetwork, ResidualsAtTheTruthOfANoiseFreeFlightVanish) {
 }
 
 TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.config.estimate = {{"gnss_lever_arm", {0.05}}, {"gyro_scale_factor", {500.0}}};
   const FlightNetwork network = AtTruth(flight);
   const auto held = [&](BlockId id) { return network.net().block(id).held; };
@@ -191,7 +184,7 @@ TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
 }
 
 TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.config.estimate = {{"boresight", {}},
                             {"lidar_lever_arm", {0.02}},
                             {"lidar_time_offset", {0.001}},
@@ -220,7 +213,7 @@ TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
 }
 
 TEST(FlightNetwork, NoInertialEdgeOverAGap) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   const double t0_s = flight.gnss->epochs[50].t_s + 0.2;
   std::erase_if(flight.imu->samples, [&](const ImuSample& s) {
     return s.t_s > t0_s + 1e-6 && s.t_s < t0_s + 2.0 - 1e-6;
@@ -243,8 +236,8 @@ TEST(FlightNetwork, NoInertialEdgeOverAGap) {
 // The parts refer to each other; a network that moves must not leave them behind.
 TEST(FlightNetwork, PartsSurviveAMove) {
   static_assert(std::is_nothrow_move_constructible_v<FlightNetwork>);
-  FlightNetwork first = AtTruth(Drone().flight);
-  first.AddPairs(Drone().flight.pairs->pairs);
+  FlightNetwork first = AtTruth(DroneFlight().flight);
+  first.AddPairs(DroneFlight().flight.pairs->pairs);
   FlightNetwork network = std::move(first);
   const auto before = network.net().factor(network.pairs().edges()[0].id).factor;
   const Eigen::Vector3d bias_radps(1e-4, 0.0, -2e-4);
@@ -257,10 +250,10 @@ TEST(FlightNetwork, PartsSurviveAMove) {
 }
 
 TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
-  FlightNetwork network = AtTruth(Drone().flight);
-  LidarPair pair = Drone().flight.pairs->pairs.front();
+  FlightNetwork network = AtTruth(DroneFlight().flight);
+  LidarPair pair = DroneFlight().flight.pairs->pairs.front();
   pair.t_j_s = pair.t_i_s;
-  network.AddPairs({pair, Drone().flight.pairs->pairs.front()});
+  network.AddPairs({pair, DroneFlight().flight.pairs->pairs.front()});
   EXPECT_EQ(network.pairs().within_one_node(), 1);
   EXPECT_EQ(network.pairs().edges().size(), 1U);
 }
@@ -277,10 +270,10 @@ Eigen::Matrix3d Whitening(const FlightNetwork& network, const PairEdge& edge) {
 // White gyro noise turns the arm from the node to the epoch. Given the rotation at the next node,
 // the variance over the three axes is 2 n^2 t (D - t) / D |u|^2.
 TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementBetweenTheirNodes) {
-  FlightNetwork network = AtTruth(Drone().flight);
-  network.AddPairs(Drone().flight.pairs->pairs);
-  const double white = Drone().flight.config.imu->model.gyro.white;
-  const double sigma_p_m = Drone().flight.config.lidar->sigma_p_m;
+  FlightNetwork network = AtTruth(DroneFlight().flight);
+  network.AddPairs(DroneFlight().flight.pairs->pairs);
+  const double white = DroneFlight().flight.config.imu->model.gyro.white;
+  const double sigma_p_m = DroneFlight().flight.config.lidar->sigma_p_m;
   constexpr double kTolerance = 0.1;  // allows for the lever arm and the white accelerometer noise
   for (const auto& edge : network.pairs().edges()) {
     ASSERT_TRUE(edge.bridge_i && edge.bridge_j);
@@ -299,7 +292,7 @@ TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementBetweenTheirNodes) {
 }
 
 TEST(FlightNetwork, NoBridgeWhereTheNoiseDoesNotCount) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.config.imu->model.gyro.white *= 1e-3;
   FlightNetwork network = AtTruth(flight);
   network.AddPairs(flight.pairs->pairs);
@@ -322,7 +315,7 @@ std::vector<LidarPair> OnePerInterval(const Flight& flight, const std::vector<do
 // A node at every epoch gives the exact network. Eliminating such a node must give the same result
 // as the bridge.
 TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   ImuModel& model = flight.config.imu->model;
   model.gyro.white *= 20.0;   // 0.1 m at the ground within a second
   model.accel.white *= 10.0;  // tilts within an interval then do not affect the velocities
@@ -342,9 +335,9 @@ TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
   };
   const auto solve = [&](const std::vector<double>& node_t_s) {
     InitialStates initial;
-    for (const double t_s : node_t_s) initial.nodes.push_back(Drone().truth->Pose(t_s));
+    for (const double t_s : node_t_s) initial.nodes.push_back(DroneFlight().truth->Pose(t_s));
     FlightNetwork network(flight, node_t_s, initial);
-    network.net().SetValue(network.calibration().boresight(), Exp(Drone().boresight_rad));
+    network.net().SetValue(network.calibration().boresight(), Exp(DroneFlight().boresight_rad));
     network.AddPairs(pairs);
     Solved solved;
     for (int k = 0; k < 3; ++k) {
@@ -417,10 +410,10 @@ FlightNetworkOptions WithShift(Block<Vec<3>>* shift) {
 }
 
 TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   Block<Vec<3>> shift;
   FlightNetwork network = AtTruth(flight, WithShift(&shift));
-  network.net().SetValue(network.calibration().boresight(), Exp(Drone().boresight_rad));
+  network.net().SetValue(network.calibration().boresight(), Exp(DroneFlight().boresight_rad));
   network.AddPairs(flight.pairs->pairs);
   ASSERT_EQ(network.pairs().edges().size(), 300U);
   for (int k = 0; k < 2; ++k) {
@@ -442,8 +435,8 @@ TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
 // The sensitivity of a pair whose factor does not provide it equals that of the library's factor.
 TEST(FlightNetwork, OwnFactorsOfPairsNeedNotSayWhatEffectsDo) {
   Block<Vec<3>> shift;
-  FlightNetwork network = AtTruth(Drone().flight, WithShift(&shift));
-  network.AddPairs(Drone().flight.pairs->pairs);
+  FlightNetwork network = AtTruth(DroneFlight().flight, WithShift(&shift));
+  network.AddPairs(DroneFlight().flight.pairs->pairs);
   const FactorId id = network.pairs().edges()[7].id;
   std::vector<const double*> x;
   for (const BlockId block : network.net().factor(id).blocks) {
@@ -469,13 +462,13 @@ TEST(FlightNetwork, OwnFactorsOfPairsMustSayTheirPoints) {
                                                                Noise<3>::Sigma(1.0));
                      }};
   };
-  FlightNetwork network = AtTruth(Drone().flight, options);
-  testing::ExpectInvalid([&] { network.AddPairs(Drone().flight.pairs->pairs); },
+  FlightNetwork network = AtTruth(DroneFlight().flight, options);
+  testing::ExpectInvalid([&] { network.AddPairs(DroneFlight().flight.pairs->pairs); },
                          "is not a PointPairFactor", 0);
 }
 
 TEST(FlightNetwork, OwnFactorsOfPairsExcludeEstimatedEffectsOnPairs) {
-  Flight flight = Drone().flight;
+  Flight flight = DroneFlight().flight;
   flight.config.estimate.push_back({.unknown = "lidar_range_offset"});
   Block<Vec<3>> shift;
   FlightNetwork network = AtTruth(flight, WithShift(&shift));
@@ -484,8 +477,8 @@ TEST(FlightNetwork, OwnFactorsOfPairsExcludeEstimatedEffectsOnPairs) {
 }
 
 TEST(FlightNetwork, AReplacedFactorStays) {
-  FlightNetwork network = AtTruth(Drone().flight);
-  network.AddPairs(Drone().flight.pairs->pairs);
+  FlightNetwork network = AtTruth(DroneFlight().flight);
+  network.AddPairs(DroneFlight().flight.pairs->pairs);
   const FactorId replaced = network.inertial().edges()[3].id;
   const auto own = std::make_shared<PreintegratedInertial>(
       dynamic_cast<const PreintegratedInertial&>(*network.net().factor(replaced).factor));
@@ -517,7 +510,7 @@ TEST(FlightNetwork, StatesBetweenNodesFollowTheMotion) {
 }
 
 TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
-  FlightNetwork network = AtTruth(Drone().flight);
+  FlightNetwork network = AtTruth(DroneFlight().flight);
   const double t_s = network.trajectory().node_times()[40] + 0.7;
   const auto shift = network.net().AddVector<3>("shift", Eigen::Vector3d(1.0, 2.0, 3.0));
   const auto whole_state = [](const auto& state, const auto& s) {
@@ -551,7 +544,7 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
 
 TEST(FlightNetwork, DerivativesFromMeansKeepTheIncrementsInUse) {
   constexpr double kUsualScale = 3e-4;
-  const FlightNetwork network = AtTruth(Drone().flight);
+  const FlightNetwork network = AtTruth(DroneFlight().flight);
   CalibrationState with_scale = network.calibration().State();
   with_scale.Insert({"gyro_scale_factor",
                      FindEstimable("gyro_scale_factor")->make({network.flight(), {}}),
@@ -579,13 +572,13 @@ TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
   initial.nodes.resize(2);
   testing::ExpectInvalid(
       [&] {
-        FlightNetwork(Drone().flight, {381001.0, 381002.0, 381003.0}, initial);
+        FlightNetwork(DroneFlight().flight, {381001.0, 381002.0, 381003.0}, initial);
       },
       "2 starting poses for 3 nodes", 0);
 }
 
 TEST(FlightNetwork, RepreintegratingAConvergedNetworkChangesNothing) {
-  Calibration calibration(Drone().flight);
+  Calibration calibration(DroneFlight().flight);
   FlightNetwork& network = *calibration.adjustment.network;
   const double cost = EvaluateCost(network.net()).cost;
   const Eigen::Quaterniond before = network.net().Value(network.calibration().boresight());
@@ -662,13 +655,13 @@ TEST(FlightNetwork, OwnBlockAndFactorAreSolvedWithTheRest) {
     offset = network.net().AddVector<1>("altimeter_offset", Eigen::Matrix<double, 1, 1>(0.0));
     for (std::size_t k = 100; k < 200; ++k) {
       Altimeter f;
-      f.reading_m = Drone().truth->Pose(network.nodes()[k].t_s).p_mb.z() - kOffsetM;
+      f.reading_m = DroneFlight().truth->Pose(network.nodes()[k].t_s).p_mb.z() - kOffsetM;
       f.sigma_m = kSigmaM;
       network.net().Tag(network.net().Add(f, network.nodes()[k].p_mb, offset), "altimeter",
                         network.nodes()[k].t_s);
     }
   };
-  const Calibration calibration(Drone().flight, options);
+  const Calibration calibration(DroneFlight().flight, options);
   const Network& net = calibration.adjustment.network->net();
   const double sigma_m =
       std::sqrt(calibration.marginals.Covariance(net.Find("altimeter_offset"))(0, 0));
@@ -685,7 +678,7 @@ TEST(FlightNetwork, AnOwnUnknownWithoutInformationIsNamed) {
     const auto b = network.net().AddVector<1>("my_second", Eigen::Matrix<double, 1, 1>(0.0));
     network.net().Add(Tie(), a, b);
   };
-  const Adjustment adjustment = Adjust(Drone().flight, options);
+  const Adjustment adjustment = Adjust(DroneFlight().flight, options);
   try {
     const Marginals marginals(adjustment.network->net());
     FAIL() << "no RankDeficient";
@@ -695,4 +688,4 @@ TEST(FlightNetwork, AnOwnUnknownWithoutInformationIsNamed) {
   }
 }
 
-}  // namespace dn::flight_network_test
+}  // namespace dn::builder_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dn::node_grid_test {
+namespace dn::builder_test {
 
 using ::testing::DoubleNear;
 using ::testing::Pointwise;
@@ -126,4 +126,4 @@ TEST(NodeGrid, MoreNodesThanFitIntoMemoryAreRefused) {
   }
 }
 
-}  // namespace dn::node_grid_test
+}  // namespace dn::builder_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace dn::process_chain_test {
+namespace dn::builder_test {
 
 using Type = BiasProcess::Type;
 
@@ -62,4 +62,4 @@ TEST(ProcessChain, FindsTheBlockOfAnEpoch) {
   EXPECT_EQ(net.Find("c/2"), chain.blocks[2].id);
 }
 
-}  // namespace dn::process_chain_test
+}  // namespace dn::builder_test

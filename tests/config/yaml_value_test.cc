@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::yaml_value_test {
+namespace dn::config_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -130,4 +130,4 @@ TEST(YamlChanges, AKeyWithoutEndIsNoKey) {
   EXPECT_EQ(ChangeFault(std::string(200, 'x') + "=1"), "");
 }
 
-}  // namespace dn::yaml_value_test
+}  // namespace dn::config_test

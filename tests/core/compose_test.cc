@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::compose_test {
+namespace dn::core_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -152,4 +152,4 @@ TEST(Network, RefusesToAppendWhatDoesNotFit) {
   EXPECT_EQ(chain.net.num_factors(), 2);
 }
 
-}  // namespace dn::compose_test
+}  // namespace dn::core_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace dn::distributions_test {
+namespace dn::core_test {
 
 // Tolerance: printed tables of the chi-square distribution have three to five digits.
 constexpr double kTable = 5e-4;
@@ -69,4 +69,4 @@ TEST(Distributions, UniformValuesPassAndOthersFail) {
   EXPECT_NEAR(UniformityPValue(shifted, kOfReference), 0.05, 0.01);
 }
 
-}  // namespace dn::distributions_test
+}  // namespace dn::core_test

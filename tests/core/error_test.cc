@@ -2,7 +2,7 @@
 #include <dn/interrupted.h>
 #include <gtest/gtest.h>
 
-namespace dn::error_test {
+namespace dn::core_test {
 
 template <class Exception, class... Arguments>
 bool IsCaughtAsError(const Arguments&... arguments) {
@@ -22,4 +22,4 @@ TEST(Error, IsTheBaseOfEveryException) {
   EXPECT_TRUE(IsCaughtAsError<Interrupted>());
 }
 
-}  // namespace dn::error_test
+}  // namespace dn::core_test

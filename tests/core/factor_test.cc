@@ -5,12 +5,12 @@
 
 #include "testing/random.h"
 
-namespace dn::factor_test {
+namespace dn::core_test {
 
 // Central differences with step 1e-6 of residuals of size 10.
-constexpr double kStep = 1e-6;
-constexpr double kDifferenceTolerance = 1e-7;
-constexpr double kTolerance = 1e-12;  ///< rounding, relative to Jacobians of size 10
+constexpr double kFactorStep = 1e-6;
+constexpr double kFactorDifferenceTolerance = 1e-7;
+constexpr double kFactorTolerance = 1e-12;  ///< rounding, relative to Jacobians of size 10
 
 /// r = q_l (q_r x + p): a user's own factor with every kind of block.
 struct TwoRotations : AutoFactor<TwoRotations, 3, LeftRotation, Rotation, Vec<3>> {
@@ -72,15 +72,15 @@ TEST(AutoFactor, TangentJacobiansAreDifferencesAlongPlus) {
       const Eigen::VectorXd x =
           Eigen::Map<Eigen::VectorXd>(block.value.get(), block.kind.stored_size);
       for (int k = 0; k < 3; ++k) {
-        const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(k), minus_d = -d;
+        const Eigen::Vector3d d = kFactorStep * Eigen::Vector3d::Unit(k), minus_d = -d;
         Plus(block.kind, x.data(), d.data(), block.value.get());
         ASSERT_TRUE(f.net.EvaluateFactor(id, &r_plus));
         Plus(block.kind, x.data(), minus_d.data(), block.value.get());
         ASSERT_TRUE(f.net.EvaluateFactor(id, &r_minus));
         std::copy_n(x.data(), x.size(), block.value.get());
-        EXPECT_LE(
-            ((r_plus - r_minus) / (2.0 * kStep) - J[static_cast<std::size_t>(b)].col(k)).norm(),
-            kDifferenceTolerance);
+        EXPECT_LE(((r_plus - r_minus) / (2.0 * kFactorStep) - J[static_cast<std::size_t>(b)].col(k))
+                      .norm(),
+                  kFactorDifferenceTolerance);
       }
     }
   }
@@ -96,9 +96,9 @@ TEST(Factor, PutLiftsTangentJacobians) {
     std::vector<Eigen::MatrixXd> J_automatic, J_analytic;
     ASSERT_TRUE(f.net.EvaluateFactor(automatic, &r_automatic, &J_automatic));
     ASSERT_TRUE(f.net.EvaluateFactor(analytic, &r_analytic, &J_analytic));
-    EXPECT_LE((r_automatic - r_analytic).norm(), kTolerance);
+    EXPECT_LE((r_automatic - r_analytic).norm(), kFactorTolerance);
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_LE((J_automatic[i] - J_analytic[i]).norm(), kTolerance);
+      EXPECT_LE((J_automatic[i] - J_analytic[i]).norm(), kFactorTolerance);
     }
   }
 }
@@ -148,4 +148,4 @@ TEST(InvalidInput, SaysWhere) {
   EXPECT_EQ(FileLocation{}.ToString(), "");
 }
 
-}  // namespace dn::factor_test
+}  // namespace dn::core_test

@@ -8,7 +8,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::function_factor_test {
+namespace dn::core_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -242,4 +242,4 @@ TEST(Network, ACopyIsIndependent) {
   EXPECT_EQ(copy.Value(x), 5.0);
 }
 
-}  // namespace dn::function_factor_test
+}  // namespace dn::core_test

@@ -10,7 +10,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::linear_prior_test {
+namespace dn::core_test {
 
 Eigen::VectorXd Stacked(const std::vector<Eigen::VectorXd>& parts) {
   Eigen::Index size = 0;
@@ -72,4 +72,4 @@ TEST(LinearPrior, RejectsSizesThatDoNotFit) {
   EXPECT_THROW(LinearPrior(kinds, q, std::nan("") * R, d), InvalidInput);
 }
 
-}  // namespace dn::linear_prior_test
+}  // namespace dn::core_test

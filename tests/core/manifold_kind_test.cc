@@ -8,12 +8,12 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::manifold_kind_test {
+namespace dn::core_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr double kTolerance = 1e-12;  ///< rounding of a few products
+constexpr double kKindTolerance = 1e-12;  ///< rounding of a few products
 
 /// A unit vector in the plane, perturbed by an angle in rad.
 struct Direction {
@@ -102,7 +102,7 @@ void ExpectManifold(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
   Eigen::VectorXd y(x.size()), back(d.size());
   Plus(kind, x.data(), d.data(), y.data());
   Minus(kind, y.data(), x.data(), back.data());
-  EXPECT_LE((back - d).norm(), kTolerance);
+  EXPECT_LE((back - d).norm(), kKindTolerance);
 
   const Eigen::MatrixXd J = PlusJacobian(kind, x.data());
   constexpr double kStep = 1e-6;
@@ -115,7 +115,7 @@ void ExpectManifold(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
   }
   const auto n = static_cast<Eigen::Index>(kind.tangent_size);
   EXPECT_TRUE(
-      (TangentLift(kind, x.data()) * J).isApprox(Eigen::MatrixXd::Identity(n, n), kTolerance));
+      (TangentLift(kind, x.data()) * J).isApprox(Eigen::MatrixXd::Identity(n, n), kKindTolerance));
 }
 
 TEST(ManifoldKind, OfAUserOrThePose) {
@@ -179,9 +179,9 @@ TEST(Transform, ComposesAndInverts) {
   const Transform<double> a(testing::RandomRotation(rng), testing::RandomVector(rng, 5.0));
   const Transform<double> b(testing::RandomRotation(rng), testing::RandomVector(rng, 5.0));
   const Eigen::Vector3d x = testing::RandomVector(rng, 5.0);
-  EXPECT_LE(((a * b) * x - a * (b * x)).norm(), kTolerance);
-  EXPECT_LE((a * (a.Inverse() * x) - x).norm(), kTolerance);
-  EXPECT_LE((a.Inverse() * a).ToVector().norm(), kTolerance);
+  EXPECT_LE(((a * b) * x - a * (b * x)).norm(), kKindTolerance);
+  EXPECT_LE((a * (a.Inverse() * x) - x).norm(), kKindTolerance);
+  EXPECT_LE((a.Inverse() * a).ToVector().norm(), kKindTolerance);
 }
 
-}  // namespace dn::manifold_kind_test
+}  // namespace dn::core_test

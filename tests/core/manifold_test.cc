@@ -6,14 +6,14 @@
 
 #include "testing/random.h"
 
-namespace dn::manifold_test {
+namespace dn::core_test {
 
 // Rounding of a few quaternion products.
-constexpr double kTolerance = 1e-14;
+constexpr double kManifoldTolerance = 1e-14;
 // Near pi, Log is still accurate, but rounding of w decides the sign of the vector.
-constexpr double kStep = 1e-6;
+constexpr double kManifoldStep = 1e-6;
 // Central differences with step 1e-6: truncation 1e-12, rounding 1e-10.
-constexpr double kDifferenceTolerance = 1e-9;
+constexpr double kManifoldDifferenceTolerance = 1e-9;
 
 class Manifold : public ::testing::TestWithParam<BlockKind> {
  protected:
@@ -61,14 +61,14 @@ class Manifold : public ::testing::TestWithParam<BlockKind> {
 
 TEST_P(Manifold, PlusOfZeroChangesNothing) {
   ForPointsAndSteps([&](const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
-    EXPECT_LE((Plus(x, 0.0 * d) - x).norm(), kTolerance);
-    EXPECT_LE(Minus(x, x).norm(), kTolerance);
+    EXPECT_LE((Plus(x, 0.0 * d) - x).norm(), kManifoldTolerance);
+    EXPECT_LE(Minus(x, x).norm(), kManifoldTolerance);
   });
 }
 
 TEST_P(Manifold, MinusUndoesPlus) {
   ForPointsAndSteps([&](const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
-    EXPECT_LE((Minus(Plus(x, d), x) - d).norm(), kTolerance * (1.0 + x.norm()));
+    EXPECT_LE((Minus(Plus(x, d), x) - d).norm(), kManifoldTolerance * (1.0 + x.norm()));
   });
 }
 
@@ -76,15 +76,15 @@ TEST_P(Manifold, PlusUndoesMinus) {
   ForPointsAndSteps([&](const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
     std::mt19937 rng(static_cast<unsigned>(1e6 * std::abs(d.sum())));
     const Eigen::VectorXd y = RandomPoint(rng);
-    EXPECT_LE(Distance(Plus(x, Minus(y, x)), y), kTolerance * (1.0 + y.norm()));
+    EXPECT_LE(Distance(Plus(x, Minus(y, x)), y), kManifoldTolerance * (1.0 + y.norm()));
   });
 }
 
 TEST_P(Manifold, PlusStaysOnTheManifold) {
   ForPointsAndSteps([&](const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
     const Eigen::VectorXd drifted = IsRotation() ? Eigen::VectorXd(1.001 * x) : x;
-    EXPECT_TRUE(!IsRotation() || std::abs(Plus(drifted, d).norm() - 1.0) <= kTolerance);
-    EXPECT_LE((Plus(drifted, d) - Plus(x, d)).norm(), kTolerance * (1.0 + x.norm()));
+    EXPECT_TRUE(!IsRotation() || std::abs(Plus(drifted, d).norm() - 1.0) <= kManifoldTolerance);
+    EXPECT_LE((Plus(drifted, d) - Plus(x, d)).norm(), kManifoldTolerance * (1.0 + x.norm()));
   });
 }
 
@@ -102,9 +102,9 @@ TEST_P(Manifold, JacobianIsTheDerivativeOfPlus) {
     ASSERT_EQ(J.rows(), GetParam().stored_size);
     ASSERT_EQ(J.cols(), GetParam().tangent_size);
     for (int k = 0; k < J.cols(); ++k) {
-      const Eigen::VectorXd d = kStep * Eigen::VectorXd::Unit(J.cols(), k);
-      const Eigen::VectorXd difference = (Plus(x, d) - Plus(x, -d)) / (2.0 * kStep);
-      EXPECT_LE((difference - J.col(k)).norm(), kDifferenceTolerance * (1.0 + x.norm()));
+      const Eigen::VectorXd d = kManifoldStep * Eigen::VectorXd::Unit(J.cols(), k);
+      const Eigen::VectorXd difference = (Plus(x, d) - Plus(x, -d)) / (2.0 * kManifoldStep);
+      EXPECT_LE((difference - J.col(k)).norm(), kManifoldDifferenceTolerance * (1.0 + x.norm()));
     }
   });
 }
@@ -127,9 +127,11 @@ TEST(ManifoldSides, StepsAreFullAnglesInTheirFrames) {
   Plus(Rotation::kKind, q.coeffs().data(), step.data(), right.coeffs().data());
   Plus(LeftRotation::kKind, q.coeffs().data(), step.data(), left.coeffs().data());
   // Right: the step rotates x to y about its own z first, then q rotates y to z.
-  EXPECT_LE((right * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitZ()).norm(), kTolerance);
+  EXPECT_LE((right * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitZ()).norm(),
+            kManifoldTolerance);
   // Left: q keeps x, then the step rotates x to y.
-  EXPECT_LE((left * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kTolerance);
+  EXPECT_LE((left * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(),
+            kManifoldTolerance);
 }
 
-}  // namespace dn::manifold_test
+}  // namespace dn::core_test

@@ -1,7 +1,7 @@
 #include <dn/names.h>
 #include <gtest/gtest.h>
 
-namespace dn::names_test {
+namespace dn::core_test {
 
 TEST(NearestName, ByEditDistance) {
   EXPECT_EQ(NearestName("gyro_bias", {"acc_bias", "gyro_biases", "gnss"}), "gyro_biases");
@@ -44,4 +44,4 @@ TEST(QuoteForShell, AsAShellReadsIt) {
   EXPECT_EQ(QuoteForShell("a\n'\\b"), "$'a\\x0A\\x27\\x5Cb'");
 }
 
-}  // namespace dn::names_test
+}  // namespace dn::core_test

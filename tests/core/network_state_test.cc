@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace dn::network_state_test {
+namespace dn::core_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -88,4 +88,4 @@ TEST(NetworkState, GivesAPriorOfOneBlock) {
   EXPECT_THROW(AddPrior(block, &to.net), InvalidInput);
 }
 
-}  // namespace dn::network_state_test
+}  // namespace dn::core_test

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace dn::network_test {
+namespace dn::core_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -266,4 +266,4 @@ TEST(FactorGroup, NamesChannelsByThatWhichTellsThemApart) {
   EXPECT_FALSE((FactorGroup{"prior", {}, {}, FactorGroup::Kind::kPrior}.measured()));
 }
 
-}  // namespace dn::network_test
+}  // namespace dn::core_test

@@ -3,15 +3,15 @@
 
 #include <limits>
 
-namespace dn::noise_test {
+namespace dn::core_test {
 
-constexpr double kTolerance = 1e-14;  ///< relative; rounding
+constexpr double kNoiseTolerance = 1e-14;  ///< relative; rounding
 
 TEST(Noise, SigmaWhitens) {
   const auto noise = Noise<3>::Sigma({0.02, 0.02, 0.05});
   const Eigen::Vector3d whitened = noise.sqrt_information() * Eigen::Vector3d(0.04, -0.02, 0.05);
-  EXPECT_LE((whitened - Eigen::Vector3d(2.0, -1.0, 1.0)).norm(), kTolerance);
-  EXPECT_NEAR(noise.covariance()(2, 2), 0.0025, kTolerance);
+  EXPECT_LE((whitened - Eigen::Vector3d(2.0, -1.0, 1.0)).norm(), kNoiseTolerance);
+  EXPECT_NEAR(noise.covariance()(2, 2), 0.0025, kNoiseTolerance);
   EXPECT_EQ(Noise<2>::Sigma(0.5).sqrt_information()(1, 1), 2.0);
 }
 
@@ -20,8 +20,8 @@ TEST(Noise, CovarianceIsGivenBack) {
   C << 4e-4, 1e-4, -2e-5, 1e-4, 9e-4, 3e-5, -2e-5, 3e-5, 1e-2;
   const auto noise = Noise<3>::Covariance(C);
   const Eigen::Matrix3d& W = noise.sqrt_information();
-  EXPECT_LE((W * C * W.transpose() - Eigen::Matrix3d::Identity()).norm(), 10 * kTolerance);
-  EXPECT_LE((noise.covariance() - C).norm(), kTolerance * C.norm());
+  EXPECT_LE((W * C * W.transpose() - Eigen::Matrix3d::Identity()).norm(), 10 * kNoiseTolerance);
+  EXPECT_LE((noise.covariance() - C).norm(), kNoiseTolerance * C.norm());
 }
 
 TEST(Noise, RejectsWhatIsNoStandardDeviation) {
@@ -52,4 +52,4 @@ TEST(Noise, RejectsWhatIsNoCovariance) {
   EXPECT_THROW(Noise<2>::Covariance(-Eigen::Matrix2d::Identity()), InvalidInput);
 }
 
-}  // namespace dn::noise_test
+}  // namespace dn::core_test

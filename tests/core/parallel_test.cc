@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace dn::parallel_test {
+namespace dn::core_test {
 
 TEST(Beside, OneThreadWorksWhereTheResultIsAskedFor) {
   auto worker = Beside(1, [] { return std::this_thread::get_id(); });
@@ -26,4 +26,4 @@ TEST(Beside, AnErrorComesWithTheResult) {
   }
 }
 
-}  // namespace dn::parallel_test
+}  // namespace dn::core_test

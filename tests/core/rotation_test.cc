@@ -6,12 +6,12 @@
 
 #include "testing/random.h"
 
-namespace dn::rotation_test {
+namespace dn::core_test {
 
-constexpr double kTolerance = 1e-14;  ///< rounding of a few products
+constexpr double kRotationTolerance = 1e-14;  ///< rounding of a few products
 // Central differences with step 1e-5: truncation 1e-10 near pi, rounding 1e-11.
-constexpr double kStep = 1e-5;
-constexpr double kDifferenceTolerance = 1e-9;
+constexpr double kRotationStep = 1e-5;
+constexpr double kRotationDifferenceTolerance = 1e-9;
 
 /// Angles around every switch between formulas, the identity and pi.
 const double kAngles[] = {0.0,     1e-300,  1e-20,   1e-9,       0.99e-8, 1.01e-8,
@@ -38,7 +38,7 @@ TEST(Skew, IsTheCrossProduct) {
 
 TEST(Exp, OfAQuarterTurn) {
   const Eigen::Quaterniond q = Exp(Eigen::Vector3d(0.0, 0.0, M_PI / 2));
-  EXPECT_LE((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kTolerance);
+  EXPECT_LE((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kRotationTolerance);
 }
 
 TEST(Exp, AgreesWithAngleAxis) {
@@ -61,16 +61,16 @@ TEST(Log, UndoesExpToTheLastDigits) {
 TEST(Log, DoesNotDependOnSignOrScale) {
   ForRotationVectors([](const Eigen::Vector3d& phi) {
     const Eigen::Quaterniond q = Exp(phi);
-    EXPECT_LE((Log(Eigen::Quaterniond(-q.coeffs())) - phi).norm(), kTolerance);
-    EXPECT_LE((Log(Eigen::Quaterniond(1.5 * q.coeffs())) - phi).norm(), kTolerance);
+    EXPECT_LE((Log(Eigen::Quaterniond(-q.coeffs())) - phi).norm(), kRotationTolerance);
+    EXPECT_LE((Log(Eigen::Quaterniond(1.5 * q.coeffs())) - phi).norm(), kRotationTolerance);
   });
 }
 
 TEST(Log, OfAHalfTurn) {
-  EXPECT_NEAR(Log(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)).norm(), M_PI, kTolerance);
+  EXPECT_NEAR(Log(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)).norm(), M_PI, kRotationTolerance);
   // Beyond pi, Log returns the shorter rotation.
   const Eigen::Vector3d log = Log(Exp(Eigen::Vector3d(0.0, M_PI + 0.1, 0.0)));
-  EXPECT_NEAR(log.y(), -M_PI + 0.1, kTolerance);
+  EXPECT_NEAR(log.y(), -M_PI + 0.1, kRotationTolerance);
 }
 
 TEST(ExpAndLog, AreDifferentiableAtZero) {
@@ -80,19 +80,19 @@ TEST(ExpAndLog, AreDifferentiableAtZero) {
   const Eigen::Matrix<Jet, 3, 1> log = Log(Exp(phi));
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(log[i].a, 0.0);
-    EXPECT_LE((log[i].v - Eigen::Vector3d::Unit(i)).norm(), kTolerance);
+    EXPECT_LE((log[i].v - Eigen::Vector3d::Unit(i)).norm(), kRotationTolerance);
   }
 }
 
 TEST(RightJacobian, IsTheDerivativeOfExp) {
   ForRotationVectors([](const Eigen::Vector3d& phi) {
     for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(k);
+      const Eigen::Vector3d d = kRotationStep * Eigen::Vector3d::Unit(k);
       const Eigen::Vector3d difference =
           (Log(Eigen::Quaterniond(Exp(phi).conjugate() * Exp(Eigen::Vector3d(phi + d)))) -
            Log(Eigen::Quaterniond(Exp(phi).conjugate() * Exp(Eigen::Vector3d(phi - d))))) /
-          (2.0 * kStep);
-      EXPECT_LE((difference - RightJacobian(phi).col(k)).norm(), kDifferenceTolerance);
+          (2.0 * kRotationStep);
+      EXPECT_LE((difference - RightJacobian(phi).col(k)).norm(), kRotationDifferenceTolerance);
     }
   });
 }
@@ -100,7 +100,7 @@ TEST(RightJacobian, IsTheDerivativeOfExp) {
 TEST(RightJacobianInverse, IsTheInverse) {
   ForRotationVectors([](const Eigen::Vector3d& phi) {
     const Eigen::Matrix3d product = RightJacobian(phi) * RightJacobianInverse(phi);
-    EXPECT_LE((product - Eigen::Matrix3d::Identity()).norm(), kTolerance);
+    EXPECT_LE((product - Eigen::Matrix3d::Identity()).norm(), kRotationTolerance);
   });
 }
 
@@ -108,21 +108,23 @@ TEST(RightJacobianInverse, IsTheInverse) {
 // Jr(-phi).
 TEST(RightJacobian, HasItsSymmetries) {
   ForRotationVectors([](const Eigen::Vector3d& phi) {
-    EXPECT_LE((RightJacobian(phi) * phi - phi).norm(), kTolerance);
+    EXPECT_LE((RightJacobian(phi) * phi - phi).norm(), kRotationTolerance);
     const Eigen::Matrix3d R = Exp(Eigen::Vector3d(-phi)).toRotationMatrix();
-    EXPECT_LE((RightJacobian(phi) - R * RightJacobian(-phi)).norm(), kTolerance);
+    EXPECT_LE((RightJacobian(phi) - R * RightJacobian(-phi)).norm(), kRotationTolerance);
   });
 }
 
 TEST(RollPitchHeading, HandComputed) {
   // Nose north, right wing down by 90 degrees: body y points down.
   const Eigen::Quaterniond rolled = QuaternionFromRollPitchHeading({M_PI / 2, 0.0, 0.0});
-  EXPECT_LE((rolled * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), kTolerance);
+  EXPECT_LE((rolled * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(),
+            kRotationTolerance);
   // With heading east, body x points east; pitched up by 90 degrees, body x points up.
   const Eigen::Quaterniond east = QuaternionFromRollPitchHeading({0.0, 0.0, M_PI / 2});
-  EXPECT_LE((east * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kTolerance);
+  EXPECT_LE((east * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(),
+            kRotationTolerance);
   const Eigen::Quaterniond up = QuaternionFromRollPitchHeading({0.0, M_PI / 2, 0.0});
-  EXPECT_LE((up * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitZ()).norm(), kTolerance);
+  EXPECT_LE((up * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitZ()).norm(), kRotationTolerance);
 }
 
 TEST(RollPitchHeading, ReadsBackWhatWasSet) {
@@ -156,4 +158,4 @@ TEST(EulerAngles, RatesInBodyAreFiniteStraightDown) {
   EXPECT_EQ(E.col(1), Eigen::Vector3d::UnitY());
 }
 
-}  // namespace dn::rotation_test
+}  // namespace dn::core_test

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::shared_list_test {
+namespace dn::core_test {
 
 TEST(SharedList, HasTheElementsInTheirOrder) {
   const SharedList<std::string> list{"gyro", "accelerometer"};
@@ -34,4 +34,4 @@ TEST(SharedList, CopiesShareTheElementsAndOutliveTheirOrigin) {
   EXPECT_EQ(copy[2], 3);
 }
 
-}  // namespace dn::shared_list_test
+}  // namespace dn::core_test

@@ -1,7 +1,7 @@
 #include <dn/symmetric_eigen.h>
 #include <gtest/gtest.h>
 
-namespace dn::symmetric_eigen_test {
+namespace dn::core_test {
 
 // A = [2 1; 1 2] has the eigenvalues 1 and 3 with the eigenvectors (1, -1) and (1, 1).
 TEST(SymmetricEigen, OfATwoByTwo) {
@@ -17,4 +17,4 @@ TEST(SymmetricEigen, ReadsTheLowerTriangle) {
   EXPECT_NEAR(eigen.values[1], 3.0, 1e-15);
 }
 
-}  // namespace dn::symmetric_eigen_test
+}  // namespace dn::core_test

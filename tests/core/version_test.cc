@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace dn::version_test {
+namespace dn::core_test {
 
 TEST(Version, IsTheSameAsTextAndInParts) {
   const std::string parts = std::to_string(DN_VERSION_MAJOR) + "." +
@@ -12,4 +12,4 @@ TEST(Version, IsTheSameAsTextAndInParts) {
   EXPECT_EQ(kVersion, parts);
 }
 
-}  // namespace dn::version_test
+}  // namespace dn::core_test

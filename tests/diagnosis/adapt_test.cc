@@ -8,26 +8,25 @@
 #include <cstdint>
 #include <numbers>
 
+#include "diagnosis/simulate_drone.h"
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::adapt_test {
+namespace dn::diagnosis_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
+using testing::kSigmas;
+using testing::SimulateDrone;
 using ::testing::StartsWith;
 
-constexpr double kSigmas = 4.0;      // a normal variable exceeds them with probability 6e-5
 constexpr double kRelative = 1e-12;  // roundings
 constexpr double kDeg = std::numbers::pi / 180.0;
 
-Flight Drone(const std::string& effects = "") {
-  return Simulate(DroneScenario(effects), {}).flight;
-}
-
 const Flight& PlainDrone() {
-  static const Flight flight = Drone();
+  static const Flight flight = SimulateDrone();
   return flight;
 }
 
@@ -214,9 +213,10 @@ Flight Reread(Flight flight, const std::vector<GapCause>& causes) {
 TEST(AdaptedFlight, EstimatesTheFixedEffectsThatAreInIt) {
   const std::vector<GapCause> causes{Cause("lidar_time_offset", {0.004}),
                                      Cause("gnss_lever_arm", {0.1, 0.05, -0.08})};
-  const Flight flight = Reread(Drone("effects: [{effect: lidar_time_offset, value: 0.004}, "
-                                     "{effect: gnss_lever_arm, value: [0.1, 0.05, -0.08]}]"),
-                               causes);
+  const Flight flight =
+      Reread(SimulateDrone("effects: [{effect: lidar_time_offset, value: 0.004}, "
+                           "{effect: gnss_lever_arm, value: [0.1, 0.05, -0.08]}]"),
+             causes);
   const Calibration adjusted(flight);
   std::size_t found = 0;
   for (const UnknownEstimate& unknown : adjusted.solution.Unknowns()) {
@@ -233,7 +233,7 @@ TEST(AdaptedFlight, EstimatesTheFixedEffectsThatAreInIt) {
 
 TEST(AdaptedFlight, NoiseThatIsStatedFits) {
   const std::string entry = "effects: [{effect: p2p_noise_scale, value: 3}]";
-  const Flight bare = Drone(entry);
+  const Flight bare = SimulateDrone(entry);
   const Flight flight = Reread(bare, {Cause("p2p_noise_scale", {3.0})});
   const double without = Solution(bare).trajectory().figures.sigma0;
   const double with = Solution(flight).trajectory().figures.sigma0;
@@ -281,4 +281,4 @@ TEST(AdaptedFlightManyRuns, VibrationThatIsStatedInItsWindowFits) {
   EXPECT_LT(nees_with, kBound);
 }
 
-}  // namespace dn::adapt_test
+}  // namespace dn::diagnosis_test

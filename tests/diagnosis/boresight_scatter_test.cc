@@ -7,7 +7,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal::boresight_scatter_test {
+namespace dn::diagnosis_internal {
 
 using testing::AircraftScenario;
 
@@ -53,4 +53,4 @@ TEST(BoresightScatter, NeedsTwoPairsOfStrips) {
   EXPECT_FALSE(BoresightScatter(adjusted.solution.network(), 1).has_value());
 }
 
-}  // namespace dn::internal::boresight_scatter_test
+}  // namespace dn::diagnosis_internal

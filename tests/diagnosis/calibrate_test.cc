@@ -13,21 +13,15 @@
 
 #include "network_hypotheses.h"
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::calibrate_test {
+namespace dn::diagnosis_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
 using testing::DroneScenario;
-
-// A normal variable exceeds this many sigmas with probability 6e-5.
-constexpr double kSigmas = 4.0;
-
-SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
-  SimulateOptions options;
-  options.seed = seed;
-  return Simulate(scenario, options);
-}
+using testing::Fly;
+using testing::kSigmas;
 
 struct EffectCase {
   std::string unknown;
@@ -378,4 +372,4 @@ TEST(Observability, OnePointSeenFromTwoPairsOfPosesIsNotACalibration) {
   for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * c.boresight.sigma_rad()[i]);
 }
 
-}  // namespace dn::calibrate_test
+}  // namespace dn::diagnosis_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dn::climb_grid_test {
+namespace dn::diagnosis_test {
 
 struct Point {
   int x = 0, y = 0;
@@ -28,4 +28,4 @@ TEST(ClimbGrid, StaysWithinItsBounds) {
   EXPECT_EQ(top.y, 0);
 }
 
-}  // namespace dn::climb_grid_test
+}  // namespace dn::diagnosis_test

@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::clocks_test {
+namespace dn::diagnosis_test {
 
 using testing::AircraftScenario;
 using ::testing::AllOf;
 using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
+using testing::kSigmas;
 using ::testing::Not;
-
-constexpr double kSigmas = 4.0;
 
 /// A sensor grade, and the clock error of its GNSS receiver.
 struct Receiver {
@@ -32,7 +32,7 @@ struct Receiver {
 
 std::string Number(double value) { return std::to_string(value); }
 
-SimulatedFlight Fly(const Receiver& receiver) {
+SimulatedFlight FlyWithReceiver(const Receiver& receiver) {
   Scenario scenario =
       DroneScenario("effects: [{effect: gnss_time_offset, value: " + Number(receiver.offset_s) +
                     "}, {effect: gnss_time_drift, value: " + Number(receiver.drift_ppm) + "}]\n");
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(ManyRuns, ClockThatIsOff,
 
 TEST_P(ClockThatIsOff, IsNamedWithItsSizeAndNoEpochIsLeftOut) {
   const Receiver& receiver = GetParam();
-  const SimulatedFlight sim = Fly(receiver);
+  const SimulatedFlight sim = FlyWithReceiver(receiver);
   const Solution solution(sim.flight);
   EXPECT_TRUE(solution.adjustment().gnss_rejected.empty());
   ASSERT_TRUE(solution.adjustment().gnss_clock);
@@ -85,7 +85,7 @@ TEST_P(ClockThatIsOff, IsNamedWithItsSizeAndNoEpochIsLeftOut) {
 
 TEST_P(ClockThatIsOff, IsEstimatedWithTheBoresight) {
   const Receiver& receiver = GetParam();
-  SimulatedFlight sim = Fly(receiver);
+  SimulatedFlight sim = FlyWithReceiver(receiver);
   sim.flight.config.estimate = {{.unknown = "boresight"}, {.unknown = "gnss_time_offset"}};
   if (receiver.drift_ppm != 0.0) {
     sim.flight.config.estimate.push_back({.unknown = "gnss_time_drift"});
@@ -102,7 +102,7 @@ TEST_P(ClockThatIsOff, IsEstimatedWithTheBoresight) {
 }
 
 TEST(Clocks, OfAGoodFlightAreZeroWithinTheirSigmas) {
-  const SimulatedFlight sim = Fly({"", 0.02, 1.0, 0.0, 0.0});
+  const SimulatedFlight sim = FlyWithReceiver({"", 0.02, 1.0, 0.0, 0.0});
   const Solution solution(sim.flight);
   EXPECT_FALSE(solution.adjustment().gnss_clock);
   for (const auto& clock :
@@ -182,4 +182,4 @@ TEST_P(CorrelatedPositionErrors, AreScreenedWithTheirProcess) {
   EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kCalibrated);
 }
 
-}  // namespace dn::clocks_test
+}  // namespace dn::diagnosis_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dn::internal::competing_hypotheses_test {
+namespace dn::diagnosis_internal {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -173,4 +173,4 @@ TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
   EXPECT_THAT(verdict.credible_set, IsEmpty());
 }
 
-}  // namespace dn::internal::competing_hypotheses_test
+}  // namespace dn::diagnosis_internal

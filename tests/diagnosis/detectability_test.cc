@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dn::detectability_test {
+namespace dn::diagnosis_test {
 
 using internal::Hypothesis;
 using internal::Library;
@@ -65,4 +65,4 @@ TEST(FindUndetectable, ListsANameOnceWithItsLargestShift) {
   EXPECT_NEAR(found[0].max_shift_sigmas, 4.0, 1e-12);
 }
 
-}  // namespace dn::detectability_test
+}  // namespace dn::diagnosis_test

@@ -5,24 +5,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "diagnosis/simulate_drone.h"
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn::diagnose_test {
+namespace dn::diagnosis_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using testing::SimulateDrone;
 
 constexpr double kOffset_m = 0.15;
 
-Flight Drone(const std::string& effects = "") {
-  return Simulate(DroneScenario(effects), {}).flight;
-}
-
 const Flight& OffsetDrone() {
-  static const Flight flight = Drone("effects: [{effect: lidar_range_offset, value: 0.15}]");
+  static const Flight flight =
+      SimulateDrone("effects: [{effect: lidar_range_offset, value: 0.15}]");
   return flight;
 }
 
@@ -34,7 +33,7 @@ GapOptions Quick() {
 }
 
 TEST(Diagnose, SaysThatThereIsNoGap) {
-  const GapResult result = Diagnose(Drone(), Quick());
+  const GapResult result = Diagnose(SimulateDrone(), Quick());
   const GapDiagnosis& diagnosis = result.diagnosis;
   EXPECT_EQ(diagnosis.verdict.kind, GapVerdictKind::kNoGap);
   EXPECT_FALSE(diagnosis.detected);
@@ -67,7 +66,7 @@ TEST(Diagnose, NamesAnEffectWithItsSize) {
 TEST(Diagnose, DoubtsASizeThatIsFarFromTheUsualOne) {
   EXPECT_FALSE(Diagnose(OffsetDrone(), Quick()).diagnosis.verdict.implausible.has_value());
   const GapResult result =
-      Diagnose(Drone("effects: [{effect: lidar_range_offset, value: 1.0}]"), Quick());
+      Diagnose(SimulateDrone("effects: [{effect: lidar_range_offset, value: 1.0}]"), Quick());
   const GapVerdict& verdict = result.diagnosis.verdict;
   ASSERT_THAT(verdict.effects, ElementsAre("lidar_range_offset"));
   ASSERT_TRUE(verdict.implausible.has_value());
@@ -119,4 +118,4 @@ TEST(Diagnose, RefusesEffectsThatAreNone) {
   EXPECT_THROW(options.Validate(), InvalidConfig);
 }
 
-}  // namespace dn::diagnose_test
+}  // namespace dn::diagnosis_test

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-namespace dn::internal::forward_selection_test {
+namespace dn::diagnosis_internal {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -158,4 +158,4 @@ TEST(ForwardSelection, FindsNothingInNoise) {
   EXPECT_THAT(selection.Take().chosen, IsEmpty());
 }
 
-}  // namespace dn::internal::forward_selection_test
+}  // namespace dn::diagnosis_internal

@@ -16,20 +16,15 @@
 #include "testing/temp_folder.h"
 #include "testing/torsion.h"
 
-namespace dn::gauss_helmert_check_test {
+namespace dn::diagnosis_test {
 
 using testing::AircraftScenario;
 using ::testing::AnyOf;
 using ::testing::Contains;
 using testing::DroneScenario;
+using testing::Fly;
 using ::testing::HasSubstr;
 using testing::TempFolder;
-
-SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
-  SimulateOptions options;
-  options.seed = seed;
-  return Simulate(scenario, options);
-}
 
 /// A flight calibrated on its true trajectory.
 Flight OnTruth(Flight flight) {
@@ -230,4 +225,4 @@ TEST(GaussHelmertCheck, AMisreadTrajectoryIsNotCalibrated) {
       << Words(columns);
 }
 
-}  // namespace dn::gauss_helmert_check_test
+}  // namespace dn::diagnosis_test

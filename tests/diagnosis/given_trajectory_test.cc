@@ -8,7 +8,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::given_trajectory_test {
+namespace dn::diagnosis_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -116,4 +116,4 @@ TEST(Limits, NeedNoMeasuredValues) {
   }
 }
 
-}  // namespace dn::given_trajectory_test
+}  // namespace dn::diagnosis_test

@@ -9,7 +9,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal::held_out_test {
+namespace dn::diagnosis_internal {
 
 using testing::DroneScenario;
 
@@ -173,4 +173,4 @@ TEST(HeldOut, NoiseOfAnotherSizeCountsByItsDensity) {
   EXPECT_LT(MeasureHeldOut(right, too_large, {}).gain_nats, -50.0);
 }
 
-}  // namespace dn::internal::held_out_test
+}  // namespace dn::diagnosis_internal

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace dn::hypothesis_test {
+namespace dn::diagnosis_test {
 
 using internal::CellRange;
 using internal::Hypothesis;
@@ -60,4 +60,4 @@ TEST(Hypothesis, OfATableHasItsUnitAndNoTimeConstant) {
             static_cast<Eigen::Index>(EffectRow(EffectId::kGyroBiasProcess).components.size()));
 }
 
-}  // namespace dn::hypothesis_test
+}  // namespace dn::diagnosis_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace dn::internal::likelihood_peak_test {
+namespace dn::diagnosis_internal {
 
 /// Counts the evaluations of a likelihood.
 struct Counted {
@@ -91,4 +91,4 @@ TEST(FindPeak, WhatIsNotSmoothHasNoPeakThatWasNotSeen) {
   EXPECT_LT(asked, 40);
 }
 
-}  // namespace dn::internal::likelihood_peak_test
+}  // namespace dn::diagnosis_internal

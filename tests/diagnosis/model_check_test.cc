@@ -15,18 +15,13 @@
 #include "testing/short_flights.h"
 #include "testing/torsion.h"
 
-namespace dn::model_check_test {
+namespace dn::diagnosis_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
 using testing::DroneScenario;
+using testing::Fly;
 using ::testing::HasSubstr;
-
-SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
-  SimulateOptions options;
-  options.seed = seed;
-  return Simulate(scenario, options);
-}
 
 /// An adjusted and checked flight.
 struct Checked {
@@ -356,4 +351,4 @@ TEST(ModelCheck, WithoutPairsTheTrajectoryIsChecked) {
   }
 }
 
-}  // namespace dn::model_check_test
+}  // namespace dn::diagnosis_test

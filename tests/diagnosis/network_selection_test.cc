@@ -15,7 +15,7 @@
 #include "network_source.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::network_selection_test {
+namespace dn::diagnosis_internal {
 
 using testing::AircraftScenario;
 using ::testing::AnyOf;
@@ -23,7 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
-constexpr double kThresholdNats = 6.0;
+constexpr double kNetworkThresholdNats = 6.0;
 
 /// Result of a selection, and the evidence of the alternatives of each effect.
 struct Selected {
@@ -35,7 +35,7 @@ Selected Select(const Flight& flight) {
   const GapOptions options;
   NetworkSource source(flight, options);
   SelectionPolicy policy;
-  policy.threshold_nats = kThresholdNats;
+  policy.threshold_nats = kNetworkThresholdNats;
   policy.resizes_noise = true;
   policy.next = BestPhysical;
   policy.refine = [&](const ExtendedFit& fit, const HypothesisEvidence& effect) {
@@ -69,7 +69,7 @@ TEST(NetworkSelection, FindsBothOfTwoEffects) {
     if (effect.name != "lidar_range_offset") continue;
     EXPECT_NEAR(effect.estimate[0], 0.15, 4.0 * effect.sigma[0]);
   }
-  EXPECT_LT(selected.model.final->effects.front().log_evidence, kThresholdNats);
+  EXPECT_LT(selected.model.final->effects.front().log_evidence, kNetworkThresholdNats);
 }
 
 // Both effects enlarge the misclosures of the pairs. Once the scale is known, the noise (of either
@@ -84,7 +84,7 @@ TEST(NetworkSelection, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
   EXPECT_THAT(Names(selected), UnorderedElementsAre(AnyOf("p2p_noise_scale", "p2p_range_noise"),
                                                     "lidar_angle_scale"));
   ASSERT_NE(selected.model.final, nullptr);
-  EXPECT_LT(selected.model.final->effects.front().log_evidence, kThresholdNats);
+  EXPECT_LT(selected.model.final->effects.front().log_evidence, kNetworkThresholdNats);
 }
 
 /// Returns the results for flights with the same effect and different seeds.
@@ -139,7 +139,7 @@ TEST(NetworkSelection, WavesAreNotAllOfACorrelatedNoise) {
   };
   const Flight flight = Simulate(AircraftScenario(), options).flight;
   const HypothesisEvidence left = OscillationLeft(Select(flight));
-  EXPECT_GT(left.log_evidence, kThresholdNats);
+  EXPECT_GT(left.log_evidence, kNetworkThresholdNats);
   ASSERT_TRUE(left.period_s.has_value());
   EXPECT_NEAR(*left.period_s, kPeriodS, 0.15 * kPeriodS);
 }
@@ -148,7 +148,7 @@ TEST(NetworkSelection, ACorrelatedNoiseLeavesNoOscillation) {
   for (const Selected& selected :
        SelectForSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
     EXPECT_THAT(Names(selected), ElementsAre("gnss_correlated_noise"));
-    EXPECT_LT(OscillationLeft(selected).log_evidence, kThresholdNats);
+    EXPECT_LT(OscillationLeft(selected).log_evidence, kNetworkThresholdNats);
   }
 }
 
@@ -182,7 +182,7 @@ TEST(NetworkFitter, ABoresightThatSettlesIsNoStepAndNoDrift) {
     return Eigen::Vector3d(std::exp(-(pose.t_s - *first_s) / kTauS) * kMove_rad);
   });
   const double settling = FindEvidence(effects, "boresight that settles");
-  EXPECT_GT(settling, kThresholdNats);
+  EXPECT_GT(settling, kNetworkThresholdNats);
   EXPECT_GT(settling, FindEvidence(effects, "boresight_step") + 3.0);
   EXPECT_GT(settling, FindEvidence(effects, "boresight_drift") + 3.0);
   const auto found = std::find_if(
@@ -198,7 +198,7 @@ TEST(NetworkFitter, ABoresightThatFollowsTheHeadingIsNoStep) {
     return Eigen::Vector3d((pose.q_mb * Eigen::Vector3d::UnitX()).x() * kMove_rad);
   });
   const double heading = FindEvidence(effects, "boresight by heading");
-  EXPECT_GT(heading, kThresholdNats);
+  EXPECT_GT(heading, kNetworkThresholdNats);
   EXPECT_GT(heading, FindEvidence(effects, "boresight_step") + 3.0);
   EXPECT_GT(heading, FindEvidence(effects, "boresight_drift") + 3.0);
 }
@@ -226,4 +226,4 @@ TEST(NetworkSelection, FindsNothingInNoise) {
   EXPECT_TRUE(selected.alternatives.empty());
 }
 
-}  // namespace dn::internal::network_selection_test
+}  // namespace dn::diagnosis_internal

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace dn::internal::outlier_evidence_test {
+namespace dn::diagnosis_internal {
 
 struct Found {
   long number = 0;
@@ -75,4 +75,4 @@ TEST(OutlierEvidence, ShortOnesAddTheirVariance) {
   EXPECT_EQ(ShortOutlierVariance(0.0, 0.0, kSigma, kNorm), 0.0);
 }
 
-}  // namespace dn::internal::outlier_evidence_test
+}  // namespace dn::diagnosis_internal

@@ -13,14 +13,14 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 #include "testing/temp_folder.h"
+#include "testing/tolerances.h"
 
-namespace dn::replicate_scenario_test {
+namespace dn::diagnosis_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
+using testing::kSigmas;
 using testing::TempFolder;
-
-constexpr double kSigmas = 4.0;  // a normal variable exceeds them with probability 6e-5
 
 GapCause LidarLate() {
   GapCause cause;
@@ -194,4 +194,4 @@ TEST(ReplicateScenario, RefusesAValueThatTheSimulatorRefuses) {
       "lidar_time_offset");
 }
 
-}  // namespace dn::replicate_scenario_test
+}  // namespace dn::diagnosis_test

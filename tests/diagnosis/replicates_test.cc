@@ -11,7 +11,7 @@
 #include "network_source.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::replicates_test {
+namespace dn::diagnosis_internal {
 
 using testing::DroneScenario;
 
@@ -156,4 +156,4 @@ TEST(Locations, PredictionErrorsAreInMetres) {
   EXPECT_LT(without.appearance.gnss_rms_m, 0.04);
 }
 
-}  // namespace dn::internal::replicates_test
+}  // namespace dn::diagnosis_internal

@@ -8,7 +8,7 @@
 
 #include "diagnosis/some_diagnosis.h"
 
-namespace dn::report_test {
+namespace dn::diagnosis_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -335,4 +335,4 @@ TEST(GapPlots, DrawWhatTheDiagnosisHas) {
   EXPECT_TRUE(GapPlots({}).empty());
 }
 
-}  // namespace dn::report_test
+}  // namespace dn::diagnosis_test

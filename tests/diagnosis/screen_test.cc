@@ -10,10 +10,12 @@
 #include "processes.h"
 #include "refine_times.h"
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::internal::screen_test {
+namespace dn::diagnosis_internal {
 
 using testing::AircraftScenario;
+using testing::kSigmas;
 
 /// A fixed effect of a size that the flight shows, but that is still of first order.
 struct Shown {
@@ -196,4 +198,4 @@ TEST(EvaluateProcess, WhatOutlastsTheFlightHasNoSureSize) {
 
 TEST(EvaluateProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
 
-}  // namespace dn::internal::screen_test
+}  // namespace dn::diagnosis_internal

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dn::internal::shrinkage_test {
+namespace dn::diagnosis_internal {
 
 ReplicateTest Compared(double omnibus, double p) {
   ReplicateTest test;
@@ -35,4 +35,4 @@ TEST(OmnibusShrinkage, LocationsThatNeverDepartedAreClosed) {
   EXPECT_EQ(shrinkage.interval_high, 1.0);
 }
 
-}  // namespace dn::internal::shrinkage_test
+}  // namespace dn::diagnosis_internal

@@ -7,7 +7,7 @@
 #include "screen.h"
 #include "testing/short_flights.h"
 
-namespace dn::signature_test {
+namespace dn::diagnosis_test {
 
 using testing::AircraftScenario;
 
@@ -68,4 +68,4 @@ TEST(Signature, IsWhatATestSeesInNoise) {
   EXPECT_NEAR(mean, lambda + 1.0, 3.5 * std::sqrt((2.0 + 4.0 * lambda) / kSeeds) + 0.1 * lambda);
 }
 
-}  // namespace dn::signature_test
+}  // namespace dn::diagnosis_test

@@ -9,11 +9,11 @@
 #include "network_source.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal::simulated_replicates_test {
+namespace dn::diagnosis_internal {
 
 using testing::DroneScenario;
 
-constexpr int kReplicates = 5;
+constexpr int kSimulatedReplicates = 5;
 constexpr int kLinearReplicates = 100;
 
 GapCause RangeOffset(double offset_m) {
@@ -45,7 +45,7 @@ class SimulatedReplicates : public ::testing::Test {
                                           const std::vector<GapCause>& causes) {
     const Trajectory trajectory(DenseTrajectory(fit.solution->network(), 0.01));
     SimulatedReplicateOptions options;
-    options.count = kReplicates;
+    options.count = kSimulatedReplicates;
     options.threads = 2;
     return SimulateReplicates(
         *flight_,
@@ -74,7 +74,7 @@ std::vector<NamedStatistics>* SimulatedReplicates::without_ = nullptr;
 std::vector<NamedStatistics>* SimulatedReplicates::with_ = nullptr;
 
 TEST_F(SimulatedReplicates, HaveTheStatisticsOfTheFlight) {
-  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kReplicates));
+  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kSimulatedReplicates));
   for (const char* name : {"gnss position east, mean square", "lidar p2p up, mean, strips 1-2",
                            "gyro inertial gyro x, mean square"}) {
     EXPECT_TRUE(without_->front().count(name)) << name;
@@ -146,4 +146,4 @@ TEST(ReplicateMeanAndSigma, CoversTheReplicatesThatHaveTheStatistic) {
   EXPECT_FALSE(ReplicateMeanAndSigma(replicates, "b").has_value());
 }
 
-}  // namespace dn::internal::simulated_replicates_test
+}  // namespace dn::diagnosis_internal

@@ -6,19 +6,19 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::solution_test {
+namespace dn::diagnosis_test {
 
 // A temporary flight would be destroyed before its solution.
 static_assert(!std::is_constructible_v<Solution, Flight&&>);
 
-SimulatedFlight Fly(const std::string& effects = "") {
+SimulatedFlight FlyWithEffects(const std::string& effects = "") {
   SimulateOptions options;
   options.seed = 5;
   return Simulate(testing::DroneScenario(effects), options);
 }
 
 TEST(Solution, EqualsItsPartsOneByOne) {
-  const SimulatedFlight sim = Fly();
+  const SimulatedFlight sim = FlyWithEffects();
   const Solution solution(sim.flight);
   const Adjustment& adjustment = solution.adjustment();
   const Marginals& marginals = solution.marginals();
@@ -34,17 +34,18 @@ TEST(Solution, EqualsItsPartsOneByOne) {
 }
 
 TEST(Solution, ExpensiveResultsAreComputedOnce) {
-  const SimulatedFlight sim = Fly();
+  const SimulatedFlight sim = FlyWithEffects();
   const Solution solution(sim.flight);
   EXPECT_EQ(&solution.trajectory(), &solution.trajectory());
   EXPECT_EQ(&solution.model_check(), &solution.model_check());
 }
 
 TEST(Solution, TheModelCheckOverridesTheVerdict) {
-  const SimulatedFlight sim = Fly("effects: [{effect: gnss_time_offset, value: 0.05}]\n");
+  const SimulatedFlight sim =
+      FlyWithEffects("effects: [{effect: gnss_time_offset, value: 0.05}]\n");
   const Solution solution(sim.flight);
   EXPECT_NE(solution.Boresight().verdict, Verdict::kContradicted);
   EXPECT_EQ(solution.CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
-}  // namespace dn::solution_test
+}  // namespace dn::diagnosis_test

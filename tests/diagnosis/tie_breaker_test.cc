@@ -8,7 +8,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal::tie_breaker_test {
+namespace dn::diagnosis_internal {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -88,4 +88,4 @@ TEST(ProposeTieBreakerManyRuns, IsNoneForAnErrorTooSmallToShow) {
               IsEmpty());
 }
 
-}  // namespace dn::internal::tie_breaker_test
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dn::internal::time_constant_test {
+namespace dn::diagnosis_internal {
 
 constexpr double kTau_s = 30.0, kSize = 2.0;
 
@@ -75,4 +75,4 @@ TEST(LikeliestProcess, NeedsNetworksBesideItsStart) {
   EXPECT_FALSE(LikeliestProcess(only_the_start, kTau_s));
 }
 
-}  // namespace dn::internal::time_constant_test
+}  // namespace dn::diagnosis_internal

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::table_test {
+namespace dn::effects_test {
 
 using ::testing::HasSubstr;
 
@@ -176,4 +176,4 @@ TEST(EffectTable, AgreesWithTheDocuments) {
   }
 }
 
-}  // namespace dn::table_test
+}  // namespace dn::effects_test

@@ -10,7 +10,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn::bias_process_test {
+namespace dn::factors_test {
 
 using testing::RandomVector;
 using testing::State;
@@ -132,4 +132,4 @@ TEST(BiasProcess, RejectsBadInput) {
   EXPECT_THROW(RandomWalkEdge(1e-200, 1.0), InvalidInput);  // the variance underflows to zero
 }
 
-}  // namespace dn::bias_process_test
+}  // namespace dn::factors_test

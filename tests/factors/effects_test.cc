@@ -11,21 +11,24 @@
 #include <string>
 #include <vector>
 
+#include "factors/gyro_scale.h"
+#include "factors/mounting.h"
 #include "testing/earth_motion.h"
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::effects_test {
+namespace dn::factors_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using testing::EarthMotion;
+using testing::GyroScale;
+using testing::Mounting;
 using testing::State;
 
-const PreintegrationNoise kNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravityMps2, 1e-6};
-
-Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}; }
+const PreintegrationNoise kEffectsNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravityMps2,
+                                        1e-6};
 
 /// Stretches the laser vector, delays the tag, rotates the boresight and moves the lever arm:
 /// everything that a lidar effect can do.
@@ -192,8 +195,9 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), moved_scale);
   x[8][0] = 2e-3;  // so that the epoch is the end of the increments
   x[12] = Eigen::Vector2d(3e-3, 1e-3);
-  const Preintegrated anew = Preintegrate(
-      imu_, 1.0, 1.31, {Vector3d::Zero(), Vector3d::Zero(), {{scale_, moved_scale}}}, kNoise);
+  const Preintegrated anew =
+      Preintegrate(imu_, 1.0, 1.31, {Vector3d::Zero(), Vector3d::Zero(), {{scale_, moved_scale}}},
+                   kEffectsNoise);
   const MapPose end = Propagate(motion_.frame, motion_.Pose(1.0), anew, Vector3d::Constant(4e-3));
   const Eigen::Quaterniond q_boresight(x[6].data());
   const Vector3d l_b = x[7] + q_boresight * (Mounting() * Vector3d(950.0, 10.0, 300.0));
@@ -282,4 +286,4 @@ TEST(GnssAntenna, RejectsBadInput) {
   EXPECT_THROW(make(zero, zero, nan), InvalidInput);
 }
 
-}  // namespace dn::effects_test
+}  // namespace dn::factors_test

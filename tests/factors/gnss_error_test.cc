@@ -9,7 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn::gnss_error_test {
+namespace dn::factors_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -107,4 +107,4 @@ TEST(CorrelatedGnssError, RejectsBadInput) {
   EXPECT_THROW(CorrelatedGnssError({{nan, 0.0, 0.0}, 1.0}, Matrix3d::Identity()), InvalidInput);
 }
 
-}  // namespace dn::gnss_error_test
+}  // namespace dn::factors_test

@@ -9,7 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn::gnss_position_test {
+namespace dn::factors_test {
 
 using testing::RandomRotation;
 using testing::RandomVector;
@@ -75,4 +75,4 @@ TEST(GnssPosition, RejectsBadInput) {
   EXPECT_THROW(GnssPosition({0, inf, 0}, Noise<3>::Sigma(0.1)), InvalidInput);
 }
 
-}  // namespace dn::gnss_position_test
+}  // namespace dn::factors_test

@@ -9,7 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn::gnss_velocity_test {
+namespace dn::factors_test {
 
 using testing::RandomRotation;
 using testing::RandomVector;
@@ -94,4 +94,4 @@ TEST(GnssVelocity, RejectsBadInput) {
   EXPECT_THROW(GnssVelocity(zero, zero, nan, noise), InvalidInput);
 }
 
-}  // namespace dn::gnss_velocity_test
+}  // namespace dn::factors_test

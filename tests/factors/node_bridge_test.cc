@@ -11,33 +11,23 @@
 #include <string>
 #include <vector>
 
+#include "factors/gyro_scale.h"
 #include "testing/earth_motion.h"
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::node_bridge_test {
+namespace dn::factors_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Matrix9 = IncrementConditioning::Matrix9;
 using testing::EarthMotion;
+using testing::GyroScale;
 using testing::State;
 
 // Large enough that the conditional covariance is far above the floor of the positions.
-const PreintegrationNoise kNoise{5.0 * kRadPerDeg / 60.0, 0.05, 1e-6};
-
-class GyroScale final : public ImuEffect {
- public:
-  int components() const override { return 3; }
-  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
-               ImuReading* reading) const override {
-    const Vector3d inverse = (1.0 + value.array()).inverse();
-    reading->w_b = inverse.cwiseProduct(reading->w_b);
-    reading->J_w = inverse.asDiagonal() * reading->J_w;
-    reading->J_w.middleCols<3>(column).diagonal() = -inverse.cwiseProduct(reading->w_b);
-  }
-};
+const PreintegrationNoise kStrongNoise{5.0 * kRadPerDeg / 60.0, 0.05, 1e-6};
 
 class Bridge : public ::testing::Test {
  protected:
@@ -49,7 +39,7 @@ class Bridge : public ::testing::Test {
                               {{std::make_shared<GyroScale>(), Vector3d(1e-3, 0.0, -2e-3)}}};
 
   Preintegrated Increments(double t0_s, double t1_s, const ImuCorrection& correction) const {
-    return Preintegrate(imu_, t0_s, t1_s, correction, kNoise);
+    return Preintegrate(imu_, t0_s, t1_s, correction, kStrongNoise);
   }
   IncrementConditioning Make(double t0_s, double t_s, double t1_s,
                              const ImuCorrection& correction) const {
@@ -73,7 +63,7 @@ class Bridge : public ::testing::Test {
 // The white noise of a gyro integrates to a Wiener process, whose value at the next node is
 // observed.
 TEST_F(Bridge, CovarianceIsThatOfABrownianBridge) {
-  const double white = kNoise.gyro_white_rad_per_sqrt_s;
+  const double white = kStrongNoise.gyro_white_rad_per_sqrt_s;
   for (const double t : {0.1, 0.5, 0.9}) {
     const Matrix9 covariance = Make(1.0, 1.0 + t, 2.0, plain_).covariance();
     const Matrix3d expected = white * white * t * (1.0 - t) * Matrix3d::Identity();
@@ -96,15 +86,15 @@ TEST_F(Bridge, CorrectionTakesTheNoiseThatTheNodesTell) {
     std::mt19937 rng(seed);
     std::normal_distribution<double> normal;
     ImuData noisy = imu_;
-    const double per_sample = kNoise.gyro_white_rad_per_sqrt_s * std::sqrt(200.0);
+    const double per_sample = kStrongNoise.gyro_white_rad_per_sqrt_s * std::sqrt(200.0);
     for (ImuSample& sample : noisy.samples) {
       sample.w_ib_b_radps +=
           plain_.gyro_bias_radps + per_sample * Vector3d(normal(rng), normal(rng), normal(rng));
       sample.f_b_mps2 += plain_.accel_bias_mps2;
     }
-    const Preintegrated partial = Preintegrate(noisy, 1.0, 1.4, plain_, kNoise);
+    const Preintegrated partial = Preintegrate(noisy, 1.0, 1.4, plain_, kStrongNoise);
     const IncrementConditioning bridge(motion_.frame, partial,
-                                       Preintegrate(noisy, 1.0, 2.0, plain_, kNoise));
+                                       Preintegrate(noisy, 1.0, 2.0, plain_, kStrongNoise));
     const Vector3d moved = bridge.At(q, q_after, VectorXd()).increments.head<3>();
     before += Log(partial.delta_q.conjugate() * truth.delta_q).cwiseAbs2();
     after += Log((partial.delta_q * Exp(moved)).conjugate() * truth.delta_q).cwiseAbs2();
@@ -184,4 +174,4 @@ INSTANTIATE_TEST_SUITE_P(IncrementConditioning, BridgedEnds,
                                   (tested.param.second ? "j" : "");
                          });
 
-}  // namespace dn::node_bridge_test
+}  // namespace dn::factors_test

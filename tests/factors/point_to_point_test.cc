@@ -8,23 +8,23 @@
 #include <string>
 #include <vector>
 
+#include "factors/mounting.h"
 #include "testing/earth_motion.h"
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::point_to_point_test {
+namespace dn::factors_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using testing::EarthMotion;
+using testing::Mounting;
 using testing::State;
 
 const PreintegrationNoise kNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravityMps2, 1e-6};
 const Eigen::Quaterniond kBoresight = Exp(Vector3d(0.004, -0.002, 0.006));
 const Vector3d kLeverArm(0.14, -0.02, 0.21);
-
-Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}; }
 
 /// Returns one end that observes `point` at t_s from the node at node_s (not after t_s).
 LidarEnd See(const EarthMotion& motion, const ImuData& imu, double node_s, double t_s,
@@ -214,4 +214,4 @@ TEST_F(PointPair, RejectsBadInput) {
   EXPECT_THROW(make(good, good, Mounting(), nan), InvalidInput);
 }
 
-}  // namespace dn::point_to_point_test
+}  // namespace dn::factors_test

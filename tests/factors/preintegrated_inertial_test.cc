@@ -13,7 +13,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn::preintegrated_inertial_test {
+namespace dn::factors_test {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -22,11 +22,13 @@ using testing::State;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-const PreintegrationNoise kNoise{0.002 * kRadPerDeg / 60.0, 10e-6 * kStandardGravityMps2, 1e-6};
+const PreintegrationNoise kAirinsNoise{0.002 * kRadPerDeg / 60.0, 10e-6 * kStandardGravityMps2,
+                                       1e-6};
 
 Preintegrated Increments(const EarthMotion& motion, double t0_s, double t1_s,
                          const ImuCorrection& bias = {}) {
-  return Preintegrate(motion.Measure(t0_s - 0.05, t1_s + 0.05, 200.0), t0_s, t1_s, bias, kNoise);
+  return Preintegrate(motion.Measure(t0_s - 0.05, t1_s + 0.05, 200.0), t0_s, t1_s, bias,
+                      kAirinsNoise);
 }
 
 PreintegratedInertial Factor(const EarthMotion& motion, const Preintegrated& pre) {
@@ -44,7 +46,7 @@ std::vector<VectorXd> WithBiases(std::vector<VectorXd> x, const Vector3d& b_g = 
   return x;
 }
 
-Vector9 EvaluateResidual(const FactorBase& factor, const std::vector<VectorXd>& x) {
+Vector9 EvaluateInertial(const FactorBase& factor, const std::vector<VectorXd>& x) {
   std::vector<const double*> pointers;
   for (const VectorXd& block : x) pointers.push_back(block.data());
   Vector9 r;
@@ -75,7 +77,7 @@ TEST(PreintegratedInertial, VanishesOnAnAnalyticFlight) {
     SCOPED_TRACE("length " + std::to_string(length_s));
     const Preintegrated pre = Increments(motion, 3.0031, 3.0031 + length_s);
     const Vector9 r =
-        EvaluateResidual(Factor(motion, pre),
+        EvaluateInertial(Factor(motion, pre),
                          WithBiases(States(motion.Pose(pre.t_begin_s), motion.Pose(pre.t_end_s))));
     EXPECT_LE(r.lpNorm<Eigen::Infinity>(), 0.02) << r.transpose();
   }
@@ -89,11 +91,11 @@ TEST(PreintegratedInertial, ResidualOfAShift) {
   pre.covariance = Vector9(Vector9::Constant(4.0)).asDiagonal();
   const PreintegratedInertial factor = Factor(motion, pre);
   MapPose j = motion.Pose(3.1);
-  const Vector9 at_truth = EvaluateResidual(factor, WithBiases(States(motion.Pose(3.0), j)));
+  const Vector9 at_truth = EvaluateInertial(factor, WithBiases(States(motion.Pose(3.0), j)));
   j.p_mb += Vector3d(1.0, 2.0, 3.0);
   j.q_mb = j.q_mb * Exp(Vector3d(1e-3, 0.0, 0.0));
   const Vector9 change =
-      EvaluateResidual(factor, WithBiases(States(motion.Pose(3.0), j))) - at_truth;
+      EvaluateInertial(factor, WithBiases(States(motion.Pose(3.0), j))) - at_truth;
   const Vector3d shift = motion.Pose(3.0).q_mb.conjugate() * Vector3d(0.5, 1.0, 1.5);
   EXPECT_LE((change.head<3>() - Vector3d(5e-4, 0.0, 0.0)).norm(), 1e-9);
   EXPECT_LE((change.tail<3>() - shift).norm(), 1e-4);  // rotated by the Earth by 7e-6 rad
@@ -163,9 +165,9 @@ TEST(PreintegratedInertial, BiasesActAsInTheIncrements) {
   const Preintegrated at_zero = Increments(motion, 3.0, 4.0);
   const Preintegrated at_bias = Increments(motion, 3.0, 4.0, {b_g, b_a});
   const std::vector<VectorXd> x = WithBiases(States(motion.Pose(3.0), motion.Pose(4.0)), b_g, b_a);
-  const Vector9 predicted = EvaluateResidual(Factor(motion, at_zero), x);
+  const Vector9 predicted = EvaluateInertial(Factor(motion, at_zero), x);
   EXPECT_GE(predicted.norm(), 1.0);
-  EXPECT_LE((predicted - EvaluateResidual(Factor(motion, at_bias), x)).norm(),
+  EXPECT_LE((predicted - EvaluateInertial(Factor(motion, at_bias), x)).norm(),
             1e-3 * predicted.norm());
 
   const PreintegratedInertial split(at_zero, motion.frame, motion.Pose(3.0).p_mb,
@@ -175,7 +177,7 @@ TEST(PreintegratedInertial, BiasesActAsInTheIncrements) {
        {Vector3d(0.3 * b_g), Vector3d(0.7 * b_g), Vector3d(0.4 * b_a), Vector3d(0.6 * b_a)}) {
     parts.push_back(part);
   }
-  EXPECT_LE((EvaluateResidual(split, parts) - predicted).norm(), 1e-9 * predicted.norm());
+  EXPECT_LE((EvaluateInertial(split, parts) - predicted).norm(), 1e-9 * predicted.norm());
 }
 
 // Gravitation is evaluated at the states, even far from the nominal positions.
@@ -183,12 +185,12 @@ TEST(PreintegratedInertial, NominalPositionsDoNotMatter) {
   const EarthMotion motion = testing::PlaneMotion();
   const Preintegrated pre = Increments(motion, 3.0, 4.0);
   const std::vector<VectorXd> x = WithBiases(States(motion.Pose(3.0), motion.Pose(4.0)));
-  const Vector9 near = EvaluateResidual(Factor(motion, pre), x);
+  const Vector9 near = EvaluateInertial(Factor(motion, pre), x);
   const Vector3d away(600.0, -600.0, 500.0);
   const PreintegratedInertial far(pre, motion.frame, motion.Pose(3.0).p_mb + away,
                                   motion.Pose(4.0).p_mb + away, 1, 1);
   // 1e-6 m/s^2 over one second, in units of 1e-4 m/s.
-  EXPECT_LE((EvaluateResidual(far, x) - near).lpNorm<Eigen::Infinity>(), 0.02);
+  EXPECT_LE((EvaluateInertial(far, x) - near).lpNorm<Eigen::Infinity>(), 0.02);
 }
 
 // The whitened residual uses the covariance of the increments: W^T W = P^-1.
@@ -197,11 +199,11 @@ TEST(PreintegratedInertial, IsWhitenedByTheCovariance) {
   const Preintegrated pre = Increments(motion, 3.0, 4.0);
   MapPose j = motion.Pose(4.0);
   const std::vector<VectorXd> at = WithBiases(States(motion.Pose(3.0), j));
-  const Vector9 r_0 = EvaluateResidual(Factor(motion, pre), at);
+  const Vector9 r_0 = EvaluateInertial(Factor(motion, pre), at);
   const Vector3d v(3e-4, -2e-4, 1e-4);
   j.v_m += v;
   const Vector9 r =
-      EvaluateResidual(Factor(motion, pre), WithBiases(States(motion.Pose(3.0), j))) - r_0;
+      EvaluateInertial(Factor(motion, pre), WithBiases(States(motion.Pose(3.0), j))) - r_0;
   Vector9 e = Vector9::Zero();
   e.segment<3>(3) = motion.Pose(3.0).q_mb.conjugate() * v;
   const double expected = e.dot(pre.covariance.llt().solve(e));
@@ -278,4 +280,4 @@ TEST(PreintegratedInertial, RejectsBadInput) {
   EXPECT_THROW(PreintegratedInertial(empty, motion.frame, p, p, 1, 1), InvalidInput);
 }
 
-}  // namespace dn::preintegrated_inertial_test
+}  // namespace dn::factors_test

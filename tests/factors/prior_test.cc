@@ -9,7 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn::prior_test {
+namespace dn::factors_test {
 
 using testing::RandomRotation;
 using testing::RandomVector;
@@ -115,4 +115,4 @@ TEST(Prior, RejectsBadInput) {
   EXPECT_THROW(PriorLeftRotation(Eigen::Quaterniond(0, 0, 0, 0), noise), InvalidInput);
 }
 
-}  // namespace dn::prior_test
+}  // namespace dn::factors_test

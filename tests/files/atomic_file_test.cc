@@ -9,7 +9,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::atomic_file_test {
+namespace dn::files_test {
 
 using testing::ExpectInvalid;
 using testing::TempFolder;
@@ -360,4 +360,4 @@ TEST(OutputDirectory, RemovesFilesAndWhatBecomesEmpty) {
   EXPECT_TRUE(fs::exists(folder.path() / "outside.txt"));
 }
 
-}  // namespace dn::atomic_file_test
+}  // namespace dn::files_test

@@ -13,7 +13,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::file_content_test {
+namespace dn::files_test {
 
 using testing::TempFolder;
 
@@ -205,4 +205,4 @@ TEST(FileContent, WhatIsNoFileInAFolderSaysWhy) {
   EXPECT_THAT(contents[3].why, ::testing::HasSubstr("a named pipe"));
 }
 
-}  // namespace dn::file_content_test
+}  // namespace dn::files_test

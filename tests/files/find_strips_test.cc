@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dn::find_strips_test {
+namespace dn::files_test {
 
 LidarPair PairAt(double t_i_s, double t_j_s) {
   LidarPair pair;
@@ -67,4 +67,4 @@ TEST(FindStrips, FindsTheStraightLegsOfATrajectory) {
 
 TEST(FindStrips, FindsNothingInNothing) { EXPECT_TRUE(FindStrips(Flight{}).empty()); }
 
-}  // namespace dn::find_strips_test
+}  // namespace dn::files_test

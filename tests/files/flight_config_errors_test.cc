@@ -10,7 +10,7 @@
 #include "testing/hostile_yaml.h"
 #include "testing/temp_folder.h"
 
-namespace dn::flight_config_errors_test {
+namespace dn::files_test {
 
 using testing::ExpectInvalid;
 using testing::TempFolder;
@@ -309,4 +309,4 @@ TEST(FlightConfigErrors, NamesWithControlCharacters) {
   ExpectBad("strips: [{name: \"a\\rb\", t0: 1, t1: 2}]\n", "strips[0].name: " + what, 1);
 }
 
-}  // namespace dn::flight_config_errors_test
+}  // namespace dn::files_test

@@ -5,7 +5,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::flight_config_test {
+namespace dn::files_test {
 
 using ::testing::HasSubstr;
 using testing::TempFolder;
@@ -423,4 +423,4 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
   ExpectSameRest(shown, plain);
 }
 
-}  // namespace dn::flight_config_test
+}  // namespace dn::files_test

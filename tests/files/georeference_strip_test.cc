@@ -9,18 +9,20 @@
 #include <cmath>
 #include <utility>
 
+#include "files/read_all.h"
 #include "testing/earth_motion.h"
 #include "testing/expect_invalid.h"
 #include "testing/las_bytes.h"
 #include "testing/temp_folder.h"
 
-namespace dn::georeference_strip_test {
+namespace dn::files_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using testing::EarthMotion;
 using testing::ExpectInvalidIn;
 using testing::LasBytes;
+using testing::ReadAll;
 using testing::TempFolder;
 namespace fs = std::filesystem;
 
@@ -107,12 +109,6 @@ std::string Text(const std::vector<double>& epochs_s) {
             FormatDouble(u_s.y()) + ", " + FormatDouble(u_s.z()) + "\n";
   }
   return text;
-}
-
-StripCloud ReadAll(const fs::path& file) {
-  StripCloud points;
-  EXPECT_TRUE(OpenStrip(file)->Next(&points));
-  return points;
 }
 
 class GeoreferenceStrip : public ::testing::Test {
@@ -433,4 +429,4 @@ TEST_F(GeoreferenceStrip, ASourceNamesBothSpansWhereNothingIsLeft) {
   ExpectInvalidIn(read, "all lie after the trajectory: the strip covers", "strip.txt");
 }
 
-}  // namespace dn::georeference_strip_test
+}  // namespace dn::files_test

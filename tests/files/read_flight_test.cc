@@ -8,7 +8,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::read_flight_test {
+namespace dn::files_test {
 
 using testing::ExpectInvalid;
 using testing::ExpectInvalidIn;
@@ -442,4 +442,4 @@ TEST(ReadFlightErrors, BadDataNamesFileAndLine) {
   }
 }
 
-}  // namespace dn::read_flight_test
+}  // namespace dn::files_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dn::real_data_test {
+namespace dn::files_test {
 
 namespace fs = std::filesystem;
 
@@ -87,4 +87,4 @@ TEST_F(RealData, TentHasNoPairsYet) {
   ExpectRoundTrip(config);
 }
 
-}  // namespace dn::real_data_test
+}  // namespace dn::files_test

@@ -7,20 +7,17 @@
 #include <cstdlib>
 #include <map>
 
+#include "files/read_all.h"
 #include "testing/temp_folder.h"
 
-namespace dn::real_strips_test {
+namespace dn::files_test {
+
+using testing::ReadAll;
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 fs::path Data(const std::string& name) { return fs::path(DN_SHARED_DATA_DIR) / "data" / name; }
-
-StripCloud ReadAll(const fs::path& file) {
-  StripCloud points;
-  EXPECT_TRUE(OpenStrip(file)->Next(&points));
-  return points;
-}
 
 class Leeward : public ::testing::Test {
  protected:
@@ -170,4 +167,4 @@ TEST(Tent, TextStripsAreRead) {
   EXPECT_EQ(points, 84242u + 21978u);
 }
 
-}  // namespace dn::real_strips_test
+}  // namespace dn::files_test

@@ -5,7 +5,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn::select_pairs_test {
+namespace dn::files_test {
 
 using testing::ExpectInvalid;
 using Strategy = PairSelection::Strategy;
@@ -141,4 +141,4 @@ TEST(SelectPairs, RejectsAStrategyWithoutItsParameter) {
   ExpectInvalid([&] { SelectPairs({}, selection); }, "time_window needs window_s", 0);
 }
 
-}  // namespace dn::select_pairs_test
+}  // namespace dn::files_test

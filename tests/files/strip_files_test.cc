@@ -5,7 +5,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::strip_files_test {
+namespace dn::files_test {
 
 using testing::ExpectInvalidIn;
 using ::testing::HasSubstr;
@@ -48,4 +48,4 @@ TEST(StripCrsCheck, AContradictionIsNamed) {
   EXPECT_THAT(CheckStripCrs(utm, "utm:32n", "a.las"), HasSubstr("used as ellipsoidal"));
 }
 
-}  // namespace dn::strip_files_test
+}  // namespace dn::files_test

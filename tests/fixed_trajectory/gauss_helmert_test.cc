@@ -10,7 +10,7 @@
 #include "testing/random.h"
 #include "testing/strip_pairs.h"
 
-namespace dn::gauss_helmert_test {
+namespace dn::fixed_trajectory_test {
 
 using Eigen::Vector3d;
 using testing::BoresightError;
@@ -441,4 +441,4 @@ TEST(GaussHelmert, NotToConvergeIsReported) {
   EXPECT_EQ(result.iterations, 1);
 }
 
-}  // namespace dn::gauss_helmert_test
+}  // namespace dn::fixed_trajectory_test

@@ -8,7 +8,7 @@
 
 #include "testing/strip_planes.h"
 
-namespace dn::plane_adjustment_test {
+namespace dn::fixed_trajectory_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -261,4 +261,4 @@ TEST(PlaneErrorCovariance, IsThatOfTheStatedCovariance) {
                InvalidInput);
 }
 
-}  // namespace dn::plane_adjustment_test
+}  // namespace dn::fixed_trajectory_test

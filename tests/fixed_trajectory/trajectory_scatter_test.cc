@@ -10,7 +10,7 @@
 
 #include "testing/strip_pairs.h"
 
-namespace dn::trajectory_scatter_test {
+namespace dn::fixed_trajectory_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -357,4 +357,4 @@ TEST(CorrelatedErrorCovariance, RejectsBadInput) {
   EXPECT_THROW(run.Estimate(), InvalidInput);
 }
 
-}  // namespace dn::trajectory_scatter_test
+}  // namespace dn::fixed_trajectory_test

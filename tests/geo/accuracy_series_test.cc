@@ -11,7 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::accuracy_series_test {
+namespace dn::geo_test {
 
 using Eigen::Vector3d;
 using testing::ExpectInvalidIn;
@@ -78,4 +78,4 @@ TEST(AccuracySeries, SaysNothingOutsideOfItsEpochs) {
   ExpectInvalidIn([&] { series.At(381010.5); }, "lies outside", "smrmsg.out");
 }
 
-}  // namespace dn::accuracy_series_test
+}  // namespace dn::geo_test

@@ -4,7 +4,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn::file_writer_test {
+namespace dn::geo_test {
 
 namespace fs = std::filesystem;
 
@@ -32,4 +32,4 @@ TEST(FileWriter, NamesTheFolderThatIsNotThere) {
   EXPECT_THROW(FileWriter(folder.path() / "none" / "points.las"), fs::filesystem_error);
 }
 
-}  // namespace dn::file_writer_test
+}  // namespace dn::geo_test

@@ -8,7 +8,7 @@
 
 #include "testing/random.h"
 
-namespace dn::local_frame_test {
+namespace dn::geo_test {
 
 // Defining and derived constants of WGS84 (NGA.STND.0036).
 constexpr double kSemiMajorAxisM = 6378137.0;
@@ -18,7 +18,7 @@ constexpr double kEquatorGravityMps2 = 9.7803253359;
 constexpr double kSomigliana = 0.00193185265241;
 
 // Rounding of coordinates as large as the Earth's radius.
-constexpr double kPositionToleranceM = 5e-9;
+constexpr double kFrameToleranceM = 5e-9;
 // The published constants have 11 significant digits.
 constexpr double kGravityToleranceMps2 = 1e-9;
 
@@ -46,9 +46,9 @@ TEST(LocalFrame, EcefAgreesWithTheClosedFormula) {
   std::mt19937 rng(1);
   for (int i = 0; i < 50; ++i) {
     const Geodetic g = RandomPoint(rng);
-    EXPECT_LE((ToEcef(g) - EcefByClosedFormula(g)).norm(), kPositionToleranceM);
+    EXPECT_LE((ToEcef(g) - EcefByClosedFormula(g)).norm(), kFrameToleranceM);
     const Geodetic back = GeodeticFromEcef(ToEcef(g));
-    EXPECT_LE((EcefByClosedFormula(back) - EcefByClosedFormula(g)).norm(), kPositionToleranceM);
+    EXPECT_LE((EcefByClosedFormula(back) - EcefByClosedFormula(g)).norm(), kFrameToleranceM);
   }
 }
 
@@ -59,8 +59,8 @@ TEST(LocalFrame, AxesAreEastNorthUpOfTheOrigin) {
   Eigen::Matrix3d R_me;
   R_me << -sl, cl, 0, -s * cl, -s * sl, c, c * cl, c * sl, s;
   EXPECT_LE((frame.R_me() - R_me).norm(), 1e-15);
-  EXPECT_LE(frame.ToMap(kLausanne).norm(), kPositionToleranceM);
-  EXPECT_LE((frame.r0_m() - R_me * EcefByClosedFormula(kLausanne)).norm(), kPositionToleranceM);
+  EXPECT_LE(frame.ToMap(kLausanne).norm(), kFrameToleranceM);
+  EXPECT_LE((frame.r0_m() - R_me * EcefByClosedFormula(kLausanne)).norm(), kFrameToleranceM);
 }
 
 TEST(LocalFrame, MapIsEcefTurnedAndMoved) {
@@ -69,10 +69,10 @@ TEST(LocalFrame, MapIsEcefTurnedAndMoved) {
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector3d p_m = testing::RandomVector(rng, 5e4);
     const Geodetic g = frame.ToGeodetic(p_m);
-    EXPECT_LE((frame.ToMap(g) - p_m).norm(), kPositionToleranceM);
+    EXPECT_LE((frame.ToMap(g) - p_m).norm(), kFrameToleranceM);
     const Eigen::Vector3d expected =
         frame.R_me() * (EcefByClosedFormula(g) - EcefByClosedFormula(kLausanne));
-    EXPECT_LE((p_m - expected).norm(), kPositionToleranceM);
+    EXPECT_LE((p_m - expected).norm(), kFrameToleranceM);
   }
 }
 
@@ -171,4 +171,4 @@ TEST(LocalFrame, RejectsImpossibleOrigins) {
   EXPECT_NO_THROW(LocalFrame({90.0 * kRadPerDeg, 360.0 * kRadPerDeg, 0.0}));
 }
 
-}  // namespace dn::local_frame_test
+}  // namespace dn::geo_test

@@ -5,7 +5,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn::point_crs_test {
+namespace dn::geo_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -77,4 +77,4 @@ TEST(PointCrs, Names) {
   EXPECT_THROW(PointCrs("none", kSierra), InvalidConfig);
 }
 
-}  // namespace dn::point_crs_test
+}  // namespace dn::geo_test

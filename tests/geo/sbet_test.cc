@@ -12,12 +12,14 @@
 #include <limits>
 #include <string>
 
+#include "geo/angle_between.h"
 #include "geo/moving_points.h"
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::sbet_test {
+namespace dn::geo_test {
 
+using testing::AngleRad;
 using testing::ExpectInvalid;
 using testing::MovingPoints;
 using testing::TempFile;
@@ -34,13 +36,9 @@ void Set(std::string& sbet, std::size_t record, std::size_t column, double value
   std::memcpy(sbet.data() + record * kRecordBytes + 8 * column, &value, 8);
 }
 
-Trajectory Read(const std::string& sbet, bool body_is_flu = false) {
+Trajectory ReadBinary(const std::string& sbet, bool body_is_flu = false) {
   const TempFile file("trajectory.out", sbet);
   return ReadTrajectory(file.path(), {.body_is_flu = body_is_flu});
-}
-
-double AngleRad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  return Log(Eigen::Quaterniond(a.conjugate() * b)).norm();
 }
 
 void ExpectSamePoints(const Trajectory& trajectory, const std::vector<NavPoint>& points) {
@@ -62,14 +60,14 @@ TEST(Sbet, RoundTrips) {
   const std::vector<NavPoint> points = MovingPoints(500, 0.01);
   const std::string sbet = FormatSbet(points);
   ASSERT_EQ(sbet.size(), 500 * kRecordBytes);
-  const Trajectory trajectory = Read(sbet);
+  const Trajectory trajectory = ReadBinary(sbet);
   EXPECT_TRUE(trajectory.notes().velocity_from_file) << trajectory.notes().text;
   ExpectSamePoints(trajectory, points);
 }
 
 TEST(Sbet, IsForwardRightDownInAnyFlight) {
   const std::vector<NavPoint> points = MovingPoints(300, 0.01);
-  ExpectSamePoints(Read(FormatSbet(points), true), points);
+  ExpectSamePoints(ReadBinary(FormatSbet(points), true), points);
 }
 
 TEST(Sbet, WritesTheColumnsOfTheFormat) {
@@ -106,7 +104,7 @@ TEST(Sbet, FindsTheSignsOfTheWanderFrame) {
   const std::vector<NavPoint> points = MovingPoints(500, 0.01);
   for (const double y_sign : {1.0, -1.0}) {
     for (const double z_sign : {1.0, -1.0}) {
-      const Trajectory trajectory = Read(Wandered(FormatSbet(points), 0.7, y_sign, z_sign));
+      const Trajectory trajectory = ReadBinary(Wandered(FormatSbet(points), 0.7, y_sign, z_sign));
       EXPECT_TRUE(trajectory.notes().velocity_from_file) << trajectory.notes().text;
       EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr(y_sign > 0 ? "y right" : "y left"));
       EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr(z_sign > 0 ? "z down" : "z up"));
@@ -123,7 +121,7 @@ TEST(Sbet, DifferentiatesWhereTheVelocitiesContradictThePositions) {
     Set(sbet, i, 5, 1.0);
     Set(sbet, i, 6, 2.0);
   }
-  const Trajectory trajectory = Read(sbet);
+  const Trajectory trajectory = ReadBinary(sbet);
   EXPECT_FALSE(trajectory.notes().velocity_from_file);
   EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr("differentiated positions"));
   // The parabola through three points is exact up to a jerk of 0.125 m/s^3 over 0.01 s and rounding
@@ -139,7 +137,7 @@ TEST(Sbet, AcceptsVelocitiesWithinATenthOfAMetrePerSecond) {
   for (const double error_mps : {0.09, 0.11}) {
     std::string sbet = FormatSbet(points);
     for (std::size_t i = 0; i < points.size(); ++i) Set(sbet, i, 4, Get(sbet, i, 4) + error_mps);
-    EXPECT_EQ(Read(sbet).notes().velocity_from_file, error_mps < 0.1);
+    EXPECT_EQ(ReadBinary(sbet).notes().velocity_from_file, error_mps < 0.1);
   }
 }
 
@@ -151,7 +149,7 @@ TEST(Sbet, DropsRepeatsAndContinuesOverTheWeek) {
     const double t_s = 604799.0 + 0.5 * static_cast<double>(std::min<std::size_t>(i, 3));
     Set(sbet, i, 0, t_s >= 604800.0 ? t_s - 604800.0 : t_s);
   }
-  const Trajectory trajectory = Read(sbet);
+  const Trajectory trajectory = ReadBinary(sbet);
   EXPECT_EQ(trajectory.notes().repeated_rows_dropped, 1);
   ASSERT_EQ(trajectory.points().size(), 4u);
   EXPECT_EQ(trajectory.t_end_s(), 604800.5);
@@ -186,12 +184,13 @@ TEST(Sbet, RejectsBadFilesEachByItsOwnMessage) {
   const auto with = [&](std::size_t record, std::size_t column, double value) {
     std::string sbet = good;
     Set(sbet, record, column, value);
-    return [sbet] { Read(sbet); };
+    return [sbet] { ReadBinary(sbet); };
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  ExpectInvalid([] { Read(""); }, "empty", 0);
-  ExpectInvalid([&] { Read(good.substr(0, 500)); }, "truncated: record 4 has 92 of 136 bytes", 0);
-  ExpectInvalid([&] { Read(good.substr(0, kRecordBytes)); }, "only one epoch", 0);
+  ExpectInvalid([] { ReadBinary(""); }, "empty", 0);
+  ExpectInvalid([&] { ReadBinary(good.substr(0, 500)); }, "truncated: record 4 has 92 of 136 bytes",
+                0);
+  ExpectInvalid([&] { ReadBinary(good.substr(0, kRecordBytes)); }, "only one epoch", 0);
   ExpectInvalid(with(4, 0, nan), "time of SBET record 5 is not finite", 0);
   ExpectInvalid(with(4, 9, nan), "heading of SBET record 5 is not finite", 0);
   ExpectInvalid(with(4, 16, std::numeric_limits<double>::infinity()), "rate z of SBET record 5", 0);
@@ -232,19 +231,20 @@ TEST(Sbet, ReadsARealFile) {
 
 TEST(Sbet, MarksWhatWasAdjustedWithLidar) {
   const std::vector<NavPoint> points = MovingPoints(300, 0.01);
-  const Trajectory trajectory = Read(FormatSbet(points, true));
+  const Trajectory trajectory = ReadBinary(FormatSbet(points, true));
   EXPECT_TRUE(trajectory.notes().adjusted_with_lidar);
   ExpectSamePoints(trajectory, points);
   EXPECT_EQ(Get(FormatSbet(points, true), 7, 10), 0.0);
-  EXPECT_FALSE(Read(FormatSbet(points)).notes().adjusted_with_lidar);
+  EXPECT_FALSE(ReadBinary(FormatSbet(points)).notes().adjusted_with_lidar);
 }
 
 TEST(Sbet, TheLidarMarkSurvivesCuttingAndThinning) {
   const std::string sbet = FormatSbet(MovingPoints(300, 0.01), true);
-  EXPECT_TRUE(Read(sbet.substr(50 * kRecordBytes, 100 * kRecordBytes)).notes().adjusted_with_lidar);
+  EXPECT_TRUE(
+      ReadBinary(sbet.substr(50 * kRecordBytes, 100 * kRecordBytes)).notes().adjusted_with_lidar);
   std::string thinned;
   for (std::size_t i = 0; i < 300; i += 3) thinned += sbet.substr(i * kRecordBytes, kRecordBytes);
-  EXPECT_TRUE(Read(thinned).notes().adjusted_with_lidar);
+  EXPECT_TRUE(ReadBinary(thinned).notes().adjusted_with_lidar);
 }
 
-}  // namespace dn::sbet_test
+}  // namespace dn::geo_test

@@ -12,18 +12,18 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::text_table_test {
+namespace dn::geo_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
 
-TextTable Read(const std::string& text, const std::vector<std::size_t>& columns = {}) {
+TextTable ReadTable(const std::string& text, const std::vector<std::size_t>& columns = {}) {
   const TempFile file("table.txt", text);
   return ReadTextTable(file.path(), columns);
 }
 
 TEST(TextTable, TakesEverySeparatorCommentAndLineEnd) {
-  const TextTable t = Read(
+  const TextTable t = ReadTable(
       "\xEF\xBB\xBF# header, with 1 2 3\r\n"
       "1,2,3\r\n"
       "\n"
@@ -55,43 +55,45 @@ TEST(TextTable, NamesLineAndColumnOfABadValue) {
 }
 
 TEST(TextTable, RejectsWhatIsNoFiniteNumber) {
-  ExpectInvalid([] { Read("1 2\n1 nan\n"); }, "'nan' is not a finite number", 2);
-  ExpectInvalid([] { Read("-inf\n"); }, "'-inf' is not a finite number", 1);
-  ExpectInvalid([] { Read("1e999\n"); }, "'1e999' is out of the range", 1);
-  ExpectInvalid([] { Read("t, lat\n1, 2\n"); }, "'t' is not a number", 1);
-  ExpectInvalid([] { Read("+-1\n"); }, "'+-1' is not a number", 1);
-  ExpectInvalid([] { Read("0x10\n"); }, "is not a number", 1);
-  ExpectInvalid([] { Read(std::string("1\0002", 3)); }, "'1?2' is not a number", 1);
-  ExpectInvalid([] { Read(std::string(1000, 'x')); }, std::string(40, 'x') + "...' is not", 1);
+  ExpectInvalid([] { ReadTable("1 2\n1 nan\n"); }, "'nan' is not a finite number", 2);
+  ExpectInvalid([] { ReadTable("-inf\n"); }, "'-inf' is not a finite number", 1);
+  ExpectInvalid([] { ReadTable("1e999\n"); }, "'1e999' is out of the range", 1);
+  ExpectInvalid([] { ReadTable("t, lat\n1, 2\n"); }, "'t' is not a number", 1);
+  ExpectInvalid([] { ReadTable("+-1\n"); }, "'+-1' is not a number", 1);
+  ExpectInvalid([] { ReadTable("0x10\n"); }, "is not a number", 1);
+  ExpectInvalid([] { ReadTable(std::string("1\0002", 3)); }, "'1?2' is not a number", 1);
+  ExpectInvalid([] { ReadTable(std::string(1000, 'x')); }, std::string(40, 'x') + "...' is not", 1);
 }
 
 TEST(TextTable, NamesSemicolonsAndDecimalCommas) {
-  ExpectInvalid([] { Read("1;2\n"); }, "not by semicolons", 1);
-  ExpectInvalid([] { Read("381000,5;46,57;6,52\n"); }, "decimal commas by points", 1);
-  ExpectInvalid([] { Read("381000,5 46,57\t6,52\n"); }, "decimal commas; write decimal points", 1);
-  ExpectInvalid([] { Read("381000 46 6 500\n381001 46,57 6 500\n"); }, "decimal commas", 2);
-  EXPECT_EQ(Read("381000.5,46 6\n").columns, 3u);
-  EXPECT_EQ(Read("381000,46, 6\n").columns, 3u);
+  ExpectInvalid([] { ReadTable("1;2\n"); }, "not by semicolons", 1);
+  ExpectInvalid([] { ReadTable("381000,5;46,57;6,52\n"); }, "decimal commas by points", 1);
+  ExpectInvalid([] { ReadTable("381000,5 46,57\t6,52\n"); }, "decimal commas; write decimal points",
+                1);
+  ExpectInvalid([] { ReadTable("381000 46 6 500\n381001 46,57 6 500\n"); }, "decimal commas", 2);
+  EXPECT_EQ(ReadTable("381000.5,46 6\n").columns, 3u);
+  EXPECT_EQ(ReadTable("381000,46, 6\n").columns, 3u);
 }
 
 TEST(TextTable, RejectsMissingValues) {
-  ExpectInvalid([] { Read("1,2\n3,,4\n"); }, "a value is missing", 2);
-  ExpectInvalid([] { Read("1,2,\n"); }, "a value is missing", 1);
-  ExpectInvalid([] { Read(",1\n"); }, "a value is missing", 1);
+  ExpectInvalid([] { ReadTable("1,2\n3,,4\n"); }, "a value is missing", 2);
+  ExpectInvalid([] { ReadTable("1,2,\n"); }, "a value is missing", 1);
+  ExpectInvalid([] { ReadTable(",1\n"); }, "a value is missing", 1);
 }
 
 TEST(TextTable, RejectsWrongNumbersOfColumns) {
   ExpectInvalid(
       [] {
-        Read("# x\n1 2 3 4 5\n", {4, 7, 10, 13});
+        ReadTable("# x\n1 2 3 4 5\n", {4, 7, 10, 13});
       },
       "5 columns, must have 4, 7, 10 or 13", 2);
-  ExpectInvalid([] { Read("1 2\n1 2\n1 2 3\n"); }, "3 columns, but the rows before it have 2", 3);
+  ExpectInvalid([] { ReadTable("1 2\n1 2\n1 2 3\n"); }, "3 columns, but the rows before it have 2",
+                3);
 }
 
 TEST(TextTable, RejectsWhatIsNoFileOfNumbers) {
-  ExpectInvalid([] { Read(""); }, "no rows of numbers", 0);
-  ExpectInvalid([] { Read("# only\n\n"); }, "no rows of numbers", 0);
+  ExpectInvalid([] { ReadTable(""); }, "no rows of numbers", 0);
+  ExpectInvalid([] { ReadTable("# only\n\n"); }, "no rows of numbers", 0);
   ExpectInvalid([] { ReadTextTable("/no/such/file.txt", {}); }, "does not exist", 0);
   ExpectInvalid([] { ReadTextTable(::testing::TempDir(), {}); }, "is a folder, not a regular", 0);
   ExpectInvalid([] { ReadTextTable("/dev/zero", {}); }, "is a device, not a regular file", 0);
@@ -106,8 +108,8 @@ TEST(TextTable, RejectsANamedPipeAtOnce) {
 
 TEST(TextTable, RejectsLinesAndFilesOfAbsurdLength) {
   const std::string digits(3000000, '1');
-  ExpectInvalid([&] { Read("1 2\n" + digits); }, "line is longer than 65536 bytes", 2);
-  ExpectInvalid([&] { Read(std::string(3000000, '\0')); }, "this is not a text file", 1);
+  ExpectInvalid([&] { ReadTable("1 2\n" + digits); }, "line is longer than 65536 bytes", 2);
+  ExpectInvalid([&] { ReadTable(std::string(3000000, '\0')); }, "this is not a text file", 1);
   const TempFile file("table.txt", "1 2\n");
   std::filesystem::resize_file(file.path(), std::uintmax_t{1} << 40);
   ExpectInvalid([&] { ReadTextTable(file.path(), {}); }, "file has 1099511627776 bytes", 0);
@@ -116,21 +118,21 @@ TEST(TextTable, RejectsLinesAndFilesOfAbsurdLength) {
 TEST(TextTable, ReadsLinesAcrossChunks) {
   std::string text;
   for (int i = 0; i < 300000; ++i) text += std::to_string(i) + ", 0.5\n";
-  const TextTable t = Read(text + "300000, 0.5");
+  const TextTable t = ReadTable(text + "300000, 0.5");
   ASSERT_EQ(t.rows(), 300001u);
   for (int i = 0; i <= 300000; ++i) ASSERT_EQ(t.row(static_cast<std::size_t>(i))[0], i);
   EXPECT_EQ(t.lines.back(), 300001);
 }
 
 TEST(ContinueAndCheckTimes, DropsIdenticalRepeats) {
-  TextTable t = Read("1 5\n1 5\n1 5\n2 5\n");
+  TextTable t = ReadTable("1 5\n1 5\n1 5\n2 5\n");
   std::vector<std::size_t> keep;
   EXPECT_EQ(ContinueAndCheckTimes(t, keep), 2);
   EXPECT_EQ(keep, (std::vector<std::size_t>{0, 3}));
 }
 
 TEST(ContinueAndCheckTimes, ContinuesOverWeeks) {
-  TextTable t = Read("604799.5 1\n604799.5 1\n0.25 2\n0.25 2\n604799.75 3\n1 4\n");
+  TextTable t = ReadTable("604799.5 1\n604799.5 1\n0.25 2\n0.25 2\n604799.75 3\n1 4\n");
   std::vector<std::size_t> keep;
   EXPECT_EQ(ContinueAndCheckTimes(t, keep), 2);
   ASSERT_EQ(keep, (std::vector<std::size_t>{0, 2, 4, 5}));
@@ -141,24 +143,24 @@ TEST(ContinueAndCheckTimes, ContinuesOverWeeks) {
 
 TEST(ContinueAndCheckTimes, RejectsOtherStepsBackAndRepeats) {
   std::vector<std::size_t> keep;
-  TextTable repeated = Read("1 5\n1 6\n");
+  TextTable repeated = ReadTable("1 5\n1 6\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(repeated, keep); }, "time 1 s does not increase", 2);
-  TextTable back = Read("10 5\n11 5\n10.5 5\n");
+  TextTable back = ReadTable("10 5\n11 5\n10.5 5\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(back, keep); }, "time 10.5 s does not increase", 3);
-  TextTable half_week = Read("300000 1\n100 2\n");
+  TextTable half_week = ReadTable("300000 1\n100 2\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(half_week, keep); }, "does not increase", 2);
-  TextTable nearly_a_week = Read("604799 1\n3700 2\n");  // a pause of more than an hour
+  TextTable nearly_a_week = ReadTable("604799 1\n3700 2\n");  // a pause of more than an hour
   ExpectInvalid([&] { ContinueAndCheckTimes(nearly_a_week, keep); }, "does not increase", 2);
-  TextTable most_of_a_week = Read("381000 1\n381001 2\n100 3\n");
+  TextTable most_of_a_week = ReadTable("381000 1\n381001 2\n100 3\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(most_of_a_week, keep); }, "does not increase", 3);
-  TextTable whole_week = Read("604800 1\n0 2\n");
+  TextTable whole_week = ReadTable("604800 1\n0 2\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(whole_week, keep); }, "does not increase", 2);
 }
 
 TEST(ContinueAndCheckTimes, RejectsWhatIsNoSecondOfWeek) {
   const auto expect = [](const std::string& time, const std::string& what) {
     std::vector<std::size_t> keep;
-    TextTable t = Read("# t\n" + time + " 1\n");
+    TextTable t = ReadTable("# t\n" + time + " 1\n");
     ExpectInvalid([&] { ContinueAndCheckTimes(t, keep); }, what, 2);
   };
   expect("381000250", "milliseconds? Divide it by 1000");
@@ -212,4 +214,4 @@ TEST(TextTableReader, ExpectsTheColumnsOfThePartBefore) {
   ExpectInvalid([&] { reader.Next(1); }, "row has 3 columns, but the rows before it have 2", 2);
 }
 
-}  // namespace dn::text_table_test
+}  // namespace dn::geo_test

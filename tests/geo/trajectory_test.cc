@@ -11,7 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/random.h"
 
-namespace dn::trajectory_test {
+namespace dn::geo_test {
 
 using testing::ExpectInvalid;
 
@@ -168,4 +168,4 @@ TEST(InterpolatePose, RejectsTimesOutside) {
   ExpectInvalid([] { InterpolatePose({}, 0.0); }, "empty", 0);
 }
 
-}  // namespace dn::trajectory_test
+}  // namespace dn::geo_test

@@ -11,22 +11,24 @@
 #include <string>
 #include <vector>
 
+#include "geo/angle_between.h"
 #include "geo/moving_points.h"
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::trajectory_text_test {
+namespace dn::geo_test {
 
+using testing::AngleRad;
 using testing::ExpectInvalid;
 using testing::MovingPoints;
 using testing::TempFile;
 
-Trajectory Read(const std::string& text, bool body_is_flu = false) {
+Trajectory ReadText(const std::string& text, bool body_is_flu = false) {
   const TempFile file("trajectory.txt", text);
   return ReadTrajectory(file.path(), {.body_is_flu = body_is_flu});
 }
 
-Trajectory Read(const std::string& text, const TrajectoryColumns& columns) {
+Trajectory ReadText(const std::string& text, const TrajectoryColumns& columns) {
   const TempFile file("trajectory.txt", text);
   return ReadTrajectory(file.path(), columns);
 }
@@ -38,13 +40,9 @@ std::string Row(double t_s, const Eigen::Vector3d& position, const std::vector<d
   return row + '\n';
 }
 
-double AngleRad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  return Log(Eigen::Quaterniond(a.conjugate() * b)).norm();
-}
-
 TEST(TrajectoryText, RoundTrips) {
   const std::vector<NavPoint> points = MovingPoints(200, 0.05);
-  const Trajectory trajectory = Read(FormatTrajectoryText(points));
+  const Trajectory trajectory = ReadText(FormatTrajectoryText(points));
   ASSERT_EQ(trajectory.points().size(), points.size());
   constexpr double kRoundingRad = 4e-16;
   // The parabola through three points has, at the ends, an error of h^2/3 times a jerk of 0.125
@@ -69,34 +67,35 @@ TEST(TrajectoryText, TurnsForwardLeftUp) {
   const Eigen::Matrix3d R_frd_flu = Eigen::Vector3d(1, -1, -1).asDiagonal();
   std::vector<NavPoint> points = MovingPoints(2, 1.0);
   for (NavPoint& p : points) p.q_nb = Eigen::Quaterniond(q_n_frd.toRotationMatrix() * R_frd_flu);
-  const Trajectory trajectory = Read(FormatTrajectoryText(points), true);
+  const Trajectory trajectory = ReadText(FormatTrajectoryText(points), true);
   EXPECT_LE(AngleRad(trajectory.points()[0].q_nb, q_n_frd), 1e-15);
 }
 
 TEST(TrajectoryText, TakesUnnormalisedAndNegativeQuaternions) {
-  const Trajectory t = Read("1, 46, 6, 500, -1.001, 0, 0, 0\n2, 46, 359, 500, 0, 0, 0, 0.995\n");
+  const Trajectory t =
+      ReadText("1, 46, 6, 500, -1.001, 0, 0, 0\n2, 46, 359, 500, 0, 0, 0, 0.995\n");
   EXPECT_LE(AngleRad(t.points()[0].q_nb, Eigen::Quaterniond::Identity()), 0.0);
   EXPECT_NEAR(t.points()[1].q_nb.norm(), 1.0, 1e-15);
 }
 
 TEST(TrajectoryText, DropsRepeatsAndContinuesOverTheWeek) {
   const Trajectory t =
-      Read("604799.5 46 6 500 1 0 0 0\n604799.5 46 6 500 1 0 0 0\n0.5 46 6 500 1 0 0 0\n");
+      ReadText("604799.5 46 6 500 1 0 0 0\n604799.5 46 6 500 1 0 0 0\n0.5 46 6 500 1 0 0 0\n");
   EXPECT_EQ(t.notes().repeated_rows_dropped, 1);
   EXPECT_EQ(t.t_end_s(), 604800.5);
 }
 
 TEST(TrajectoryText, RejectsBadFilesEachByItsOwnMessage) {
   const std::string ok = "1 46 6 500 1 0 0 0\n";
-  ExpectInvalid([&] { Read(ok + "2 46 6 500 0 0 0 0\n"); }, "zero norm", 2);
-  ExpectInvalid([&] { Read(ok + "2 46 6 500 1 1 0 0\n"); }, "norm 1.41", 2);
-  ExpectInvalid([&] { Read(ok + "2 46 6 500 nan 0 0 0\n"); }, "not a finite number", 2);
-  ExpectInvalid([&] { Read(ok + "2 91 6 500 1 0 0 0\n"); }, "latitude is 91", 2);
-  ExpectInvalid([&] { Read(ok + "2 46 361 500 1 0 0 0\n"); }, "longitude is 361", 2);
-  ExpectInvalid([&] { Read(ok + "1 46 6 501 1 0 0 0\n"); }, "does not increase", 2);
-  ExpectInvalid([&] { Read(ok + "0.5 46 6 500 1 0 0 0\n"); }, "does not increase", 2);
-  ExpectInvalid([&] { Read(ok); }, "only one epoch", 0);
-  ExpectInvalid([&] { Read("1 46 6 500 0.1 0.2 0.3\n"); }, "7 columns, must have 8", 1);
+  ExpectInvalid([&] { ReadText(ok + "2 46 6 500 0 0 0 0\n"); }, "zero norm", 2);
+  ExpectInvalid([&] { ReadText(ok + "2 46 6 500 1 1 0 0\n"); }, "norm 1.41", 2);
+  ExpectInvalid([&] { ReadText(ok + "2 46 6 500 nan 0 0 0\n"); }, "not a finite number", 2);
+  ExpectInvalid([&] { ReadText(ok + "2 91 6 500 1 0 0 0\n"); }, "latitude is 91", 2);
+  ExpectInvalid([&] { ReadText(ok + "2 46 361 500 1 0 0 0\n"); }, "longitude is 361", 2);
+  ExpectInvalid([&] { ReadText(ok + "1 46 6 501 1 0 0 0\n"); }, "does not increase", 2);
+  ExpectInvalid([&] { ReadText(ok + "0.5 46 6 500 1 0 0 0\n"); }, "does not increase", 2);
+  ExpectInvalid([&] { ReadText(ok); }, "only one epoch", 0);
+  ExpectInvalid([&] { ReadText("1 46 6 500 0.1 0.2 0.3\n"); }, "7 columns, must have 8", 1);
 }
 
 using Attitude = TrajectoryColumns::Attitude;
@@ -113,7 +112,7 @@ TEST(TrajectoryText, ReadsProjectedLocalAndGeocentricPositions) {
       text += Row(p.t_s, points_crs.FromMap(frame.ToMap(p.position)),
                   {p.q_nb.w(), p.q_nb.x(), p.q_nb.y(), p.q_nb.z()});
     }
-    const Trajectory trajectory = Read(text, {.crs = crs, .map_origin = origin});
+    const Trajectory trajectory = ReadText(text, {.crs = crs, .map_origin = origin});
     for (std::size_t i = 0; i < points.size(); ++i) {
       const NavPoint& read = trajectory.points()[i];
       EXPECT_LE((frame.ToMap(read.position) - frame.ToMap(points[i].position)).norm(), 1e-7) << crs;
@@ -138,7 +137,7 @@ TEST(TrajectoryText, ReadsAttitudesOfOtherConventions) {
   const Eigen::Quaterniond q_enu_flu(R_enu_ned * R_n_frd * R_frd_flu);
   const auto expect = [&](const std::vector<double>& attitude, const TrajectoryColumns& columns) {
     const Eigen::Vector3d p(46.0, 6.0, 500.0);
-    const Trajectory t = Read(Row(1.0, p, attitude) + Row(2.0, p, attitude), columns);
+    const Trajectory t = ReadText(Row(1.0, p, attitude) + Row(2.0, p, attitude), columns);
     EXPECT_LE(AngleRad(t.points()[0].q_nb, q_n_frd), 1e-14);
   };
   const auto wxyz = [](const Eigen::Quaterniond& q) {
@@ -159,7 +158,7 @@ TEST(TrajectoryText, TurnsGridNorth) {
   const TrajectoryColumns columns{
       .crs = "utm:32n", .attitude = Attitude::kRollPitchHeading, .grid_north = true};
   const Trajectory t =
-      Read(Row(1.0, p_utm, {0.0, 0.0, 30.0}) + Row(2.0, p_utm, {0.0, 0.0, 30.0}), columns);
+      ReadText(Row(1.0, p_utm, {0.0, 0.0, 30.0}) + Row(2.0, p_utm, {0.0, 0.0, 30.0}), columns);
   const double heading_deg = kDegPerRad * RollPitchHeading(t.points()[0].q_nb).z();
   const double convergence_deg = (6.0 - 9.0) * std::sin(46.0 * kRadPerDeg);
   EXPECT_NEAR(heading_deg, 30.0 + convergence_deg, 0.002);
@@ -167,12 +166,12 @@ TEST(TrajectoryText, TurnsGridNorth) {
 
 TEST(TrajectoryText, ErrorsOfOtherColumnsSayWhatIsWrong) {
   const TrajectoryColumns angles{.attitude = Attitude::kRollPitchHeading};
-  ExpectInvalid([&] { Read("1 46 6 500 1 0 0 0\n", angles); }, "8 columns, must have 7", 1);
-  ExpectInvalid([&] { Read("1 46 6 500 0 91 0\n2 46 6 500 0 9 0\n", angles); },
+  ExpectInvalid([&] { ReadText("1 46 6 500 1 0 0 0\n", angles); }, "8 columns, must have 7", 1);
+  ExpectInvalid([&] { ReadText("1 46 6 500 0 91 0\n2 46 6 500 0 9 0\n", angles); },
                 "must be within 180, 90", 1);
-  ExpectInvalid([&] { Read("1 46 6 500 1 0 0 0\n2 46 6 5 1 0 0 0\n", {.crs = "utm:32n"}); },
+  ExpectInvalid([&] { ReadText("1 46 6 500 1 0 0 0\n2 46 6 5 1 0 0 0\n", {.crs = "utm:32n"}); },
                 "if these are degrees, set trajectory.crs: geographic", 1);
-  EXPECT_THROW(Read("1 0 0 500 1 0 0 0\n2 1 0 500 1 0 0 0\n", {.crs = "map"}), InvalidConfig);
+  EXPECT_THROW(ReadText("1 0 0 500 1 0 0 0\n2 1 0 500 1 0 0 0\n", {.crs = "map"}), InvalidConfig);
 }
 
 struct RealFile {
@@ -214,4 +213,4 @@ INSTANTIATE_TEST_SUITE_P(Shared, RealTrajectory,
                            return name;
                          });
 
-}  // namespace dn::trajectory_text_test
+}  // namespace dn::geo_test

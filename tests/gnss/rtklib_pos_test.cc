@@ -7,7 +7,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::rtklib_pos_test {
+namespace dn::gnss_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
@@ -29,12 +29,12 @@ const std::string kGpst = "%  GPST                ";
 const std::string kQuality =
     "   1   9   0.0200   0.0100   0.0500  -0.0060   0.0080   0.0150   0.00    4.2";
 
-GnssData Read(const std::string& text) {
+GnssData ReadRtklib(const std::string& text) {
   const TempFile file("rover.pos", text);
   return ReadGnss(file.path(), GnssFormat::kRtklib);
 }
 
-GnssEpoch ReadOne(const std::string& text) { return Read(text).epochs.at(0); }
+GnssEpoch ReadOne(const std::string& text) { return ReadRtklib(text).epochs.at(0); }
 
 // The signed roots s give covariances c = s |s|; the columns are north-east, east-up, up-north.
 Eigen::Matrix3d ExpectedCovarianceEnu() {
@@ -61,18 +61,19 @@ TEST(RtklibPos, ReadsGeodeticCoordinatesAndSignedRoots) {
 }
 
 TEST(RtklibPos, ReadsWeekAndSeconds) {
-  const GnssData data = Read(kGpst + kLlh + "\n" +                                        //
-                             "2305 604799.500   46.1    6.9   512.3" + kQuality + "\n" +  //
-                             "2306      0.500   46.1    6.9   512.3" + kQuality + "\n");
+  const GnssData data = ReadRtklib(kGpst + kLlh + "\n" +                                        //
+                                   "2305 604799.500   46.1    6.9   512.3" + kQuality + "\n" +  //
+                                   "2306      0.500   46.1    6.9   512.3" + kQuality + "\n");
   ASSERT_EQ(data.epochs.size(), 2u);
   EXPECT_EQ(data.epochs[0].t_s, 604799.5);
   EXPECT_EQ(data.epochs[1].t_s, 604800.5);
 }
 
 TEST(RtklibPos, ContinuesCalendarTimesOverTheWeek) {
-  const GnssData data = Read(kGpst + kLlh + "\n" +  //
-                             "2024/03/16 23:59:59.000   46.1    6.9   512.3" + kQuality + "\n" +
-                             "2024/03/17 00:00:01.000   46.1    6.9   512.3" + kQuality + "\n");
+  const GnssData data =
+      ReadRtklib(kGpst + kLlh + "\n" +  //
+                 "2024/03/16 23:59:59.000   46.1    6.9   512.3" + kQuality + "\n" +
+                 "2024/03/17 00:00:01.000   46.1    6.9   512.3" + kQuality + "\n");
   EXPECT_EQ(data.epochs.at(1).t_s, 604801.0);
 }
 
@@ -178,7 +179,7 @@ TEST(RtklibPos, RepairsIndefiniteCovariances) {
 
 TEST(RtklibPos, DropsRepeats) {
   const std::string row = "2305 100.000   46.1    6.9   512.3" + kQuality + "\n";
-  const GnssData data = Read(kGpst + kLlh + "\n" + row + row);
+  const GnssData data = ReadRtklib(kGpst + kLlh + "\n" + row + row);
   EXPECT_EQ(data.epochs.size(), 1u);
   EXPECT_EQ(data.repeated_rows_dropped, 1);
 }
@@ -187,7 +188,7 @@ TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
   const std::string header = kGpst + kLlh + "\n";
   const std::string sigmas_to_ratio = " 0.02 0.01 0.05 0 0 0 0.00 4.2\n";
   const auto row = [&](const std::string& time_and_place) {
-    return [=] { Read(header + time_and_place + " 1 9" + sigmas_to_ratio); };
+    return [=] { ReadRtklib(header + time_and_place + " 1 9" + sigmas_to_ratio); };
   };
   ExpectInvalid(row("2305 1.0 91 6.9 512"), "latitude is 91", 2);
   ExpectInvalid(row("2305 1.0 46 400 512"), "longitude is 400", 2);
@@ -199,17 +200,19 @@ TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
   ExpectInvalid(row("2024/02 00:00:00 46 6.9 512"), "neither year/month/day", 2);
   ExpectInvalid(row("2024/x/10 00:00:00 46 6.9 512"), "'x' is not an integer", 2);
   ExpectInvalid(row("23.5 1.0 46 6.9 512"), "'23.5' is not an integer", 2);
-  ExpectInvalid([&] { Read(header + "2305 1.0 46 6.9 512 1 9 0.02 0 0.05 0 0 0 0.00 4.2\n"); },
-                "position sigma E is zero", 2);
-  ExpectInvalid([&] { Read(header + "2305 1.0 46 6.9 512 1 9 -0.02 1 0.05 0 0 0 0.00 4.2\n"); },
-                "position sigma N is negative", 2);
+  ExpectInvalid(
+      [&] { ReadRtklib(header + "2305 1.0 46 6.9 512 1 9 0.02 0 0.05 0 0 0 0.00 4.2\n"); },
+      "position sigma E is zero", 2);
+  ExpectInvalid(
+      [&] { ReadRtklib(header + "2305 1.0 46 6.9 512 1 9 -0.02 1 0.05 0 0 0 0.00 4.2\n"); },
+      "position sigma N is negative", 2);
 }
 
 TEST(RtklibPos, RejectsTimesThatDoNotIncrease) {
   const auto file = [](const std::string& first, const std::string& second) {
     return [=] {
-      Read(kGpst + kLlh + "\n" + first + " 46.1 6.9 512.3" + kQuality + "\n" + second +
-           " 46.1 6.9 513.3" + kQuality + "\n");
+      ReadRtklib(kGpst + kLlh + "\n" + first + " 46.1 6.9 512.3" + kQuality + "\n" + second +
+                 " 46.1 6.9 513.3" + kQuality + "\n");
     };
   };
   ExpectInvalid(file("2305 100.0", "2305 100.0"), "does not increase", 3);
@@ -219,16 +222,19 @@ TEST(RtklibPos, RejectsTimesThatDoNotIncrease) {
 
 TEST(RtklibPos, RejectsFilesItCannotPlace) {
   const std::string row = "2305 1.0 46 6.9 512" + kQuality + "\n";
-  ExpectInvalid([&] { Read(row); }, "no line with the names of the columns", 1);
-  ExpectInvalid([&] { Read(kPreamble + kGpst + kLlh + "\n"); }, "no solutions", 0);
-  ExpectInvalid([&] { Read(""); }, "no solutions", 0);
-  ExpectInvalid([&] { Read(kGpst + "e-baseline(m) n-baseline(m) u-baseline(m) Q ns\n" + row); },
-                "neither latitude", 1);
+  ExpectInvalid([&] { ReadRtklib(row); }, "no line with the names of the columns", 1);
+  ExpectInvalid([&] { ReadRtklib(kPreamble + kGpst + kLlh + "\n"); }, "no solutions", 0);
+  ExpectInvalid([&] { ReadRtklib(""); }, "no solutions", 0);
   ExpectInvalid(
-      [&] { Read("% (lat/lon/height=WGS84/geodetic,Q=1:fix)\n" + kGpst + kLlh + "\n" + row); },
+      [&] { ReadRtklib(kGpst + "e-baseline(m) n-baseline(m) u-baseline(m) Q ns\n" + row); },
+      "neither latitude", 1);
+  ExpectInvalid(
+      [&] {
+        ReadRtklib("% (lat/lon/height=WGS84/geodetic,Q=1:fix)\n" + kGpst + kLlh + "\n" + row);
+      },
       "ellipsoidal", 1);
-  ExpectInvalid([&] { Read(kGpst + kLlh + "\n" + row + kGpst + kLlh + kVelocity + "\n"); },
+  ExpectInvalid([&] { ReadRtklib(kGpst + kLlh + "\n" + row + kGpst + kLlh + kVelocity + "\n"); },
                 "columns change", 3);
 }
 
-}  // namespace dn::rtklib_pos_test
+}  // namespace dn::gnss_test

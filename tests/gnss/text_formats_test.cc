@@ -10,13 +10,13 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::text_formats_test {
+namespace dn::gnss_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
 
 // The tolerance allows for the rounding of one product.
-constexpr double kRounding = 1e-15;
+constexpr double kTextRounding = 1e-15;
 
 GnssData ReadOdyn(const std::string& text) {
   const TempFile file("GPS.txt", text);
@@ -32,7 +32,7 @@ void ExpectDiagonal(const std::optional<Eigen::Matrix3d>& covariance,
                     const Eigen::Vector3d& sigma) {
   ASSERT_TRUE(covariance.has_value());
   const Eigen::Matrix3d expected = sigma.cwiseAbs2().asDiagonal();
-  EXPECT_LE((*covariance - expected).norm(), kRounding);
+  EXPECT_LE((*covariance - expected).norm(), kTextRounding);
 }
 
 TEST(OdynGnss, FourColumnsHaveNoSigmas) {
@@ -217,4 +217,4 @@ INSTANTIATE_TEST_SUITE_P(Shared, RealGnss,
                            return name;
                          });
 
-}  // namespace dn::text_formats_test
+}  // namespace dn::gnss_test

@@ -8,7 +8,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn::allan_test {
+namespace dn::imu_test {
 
 /// Draws noise with known terms exactly: white noise of density N, Gauss-Markov (s, T), random walk
 /// K.
@@ -171,4 +171,4 @@ TEST(AllanVariance, RejectsBadInput) {
   testing::ExpectInvalid([] { FitNoise({{1.0, 1.0, 10.0}}); }, "too short", 0);
 }
 
-}  // namespace dn::allan_test
+}  // namespace dn::imu_test

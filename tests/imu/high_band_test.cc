@@ -8,15 +8,16 @@
 
 #include "imu/white_imu.h"
 #include "testing/expect_invalid.h"
+#include "testing/tolerances.h"
 
-namespace dn::high_band_test {
+namespace dn::imu_test {
 
 using testing::ExpectInvalid;
+using testing::kSigmas;
 using testing::kWhiteRateHz;
 using testing::WhiteImu;
 using testing::WhiteModel;
 
-constexpr double kSigmas = 4.0;
 const HighBandOptions kTwoSeconds{.window_s = 2.0};
 
 BandEnergy Sum(const HighBand& band, ImuTriad triad, std::size_t axis, ImuOctave octave) {
@@ -223,4 +224,4 @@ TEST(HighBand, AFewSamplesAreUnusable) {
   ExpectInvalid([&] { MeasureHighBand(imu, WhiteModel(), options); }, "window_s", 0);
 }
 
-}  // namespace dn::high_band_test
+}  // namespace dn::imu_test

@@ -8,7 +8,7 @@
 #include "testing/earth_motion.h"
 #include "testing/expect_invalid.h"
 
-namespace dn::implied_imu_test {
+namespace dn::imu_test {
 
 using testing::EarthMotion;
 using testing::PlaneMotion;
@@ -60,4 +60,4 @@ TEST(ImpliedImu, TooShortAMotionIsNamed) {
   testing::ExpectInvalid([&] { ImpliedImu(motion.frame, Poses(motion, 0.0), 0.0); }, "0.0", 0);
 }
 
-}  // namespace dn::implied_imu_test
+}  // namespace dn::imu_test

@@ -11,7 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::imu_data_test {
+namespace dn::imu_test {
 
 using Eigen::Vector3d;
 using testing::ExpectInvalid;
@@ -332,4 +332,4 @@ TEST(ReadImu, RealFiles) {
   }
 }
 
-}  // namespace dn::imu_data_test
+}  // namespace dn::imu_test

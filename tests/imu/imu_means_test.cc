@@ -4,7 +4,7 @@
 
 #include "testing/earth_motion.h"
 
-namespace dn::imu_means_test {
+namespace dn::imu_test {
 
 using Eigen::Vector3d;
 
@@ -95,4 +95,4 @@ TEST(AverageSamples, SufficeForDerivativesByEffects) {
   }
 }
 
-}  // namespace dn::imu_means_test
+}  // namespace dn::imu_test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace dn::imu_model_test {
+namespace dn::imu_test {
 
 using Type = BiasProcess::Type;
 
@@ -135,4 +135,4 @@ TEST(ImuModel, ValidateNamesTheError) {
   EXPECT_EQ(message(model), "valid");
 }
 
-}  // namespace dn::imu_model_test
+}  // namespace dn::imu_test

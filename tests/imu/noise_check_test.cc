@@ -11,15 +11,16 @@
 
 #include "imu/white_imu.h"
 #include "testing/expect_invalid.h"
+#include "testing/tolerances.h"
 
-namespace dn::noise_check_test {
+namespace dn::imu_test {
 
 using testing::ExpectInvalid;
+using testing::kSigmas;
 using testing::kWhiteRateHz;
 using testing::WhiteImu;
 using testing::WhiteModel;
 
-constexpr double kSigmas = 4.0;
 constexpr double kClear = 5.0;  ///< nats
 
 NoiseCheck Check(const ImuData& imu) { return CheckNoise(MeasureHighBand(imu, WhiteModel())); }
@@ -309,4 +310,4 @@ TEST(NoiseCheck, OptionsHaveBounds) {
   ExpectInvalid([&] { CheckNoise(band, {.spread_decades = -1.0}); }, "spread_decades", 0);
 }
 
-}  // namespace dn::noise_check_test
+}  // namespace dn::imu_test

@@ -9,14 +9,14 @@
 
 #include "testing/earth_motion.h"
 
-namespace dn::preintegration_noise_test {
+namespace dn::imu_test {
 
 using Eigen::Vector3d;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 // The sensors are poor, so that every term of the covariance matters.
-const PreintegrationNoise kNoise{2e-3, 5e-3, 0.0};
+const PreintegrationNoise kLargeNoise{2e-3, 5e-3, 0.0};
 
 Vector9 Difference(const Preintegrated& noisy, const Preintegrated& clean) {
   Vector9 d;
@@ -36,11 +36,11 @@ TEST(PreintegrationNoise, CovarianceIsThatOfMonteCarlo) {
   constexpr int kRuns = 4000;
   constexpr double kTolerance = 4.0 / 63.0;  // 4 / sqrt(4000); the diagonal has sqrt(2) times more
   const ImuData clean = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
-  const Preintegrated reference = Preintegrate(clean, 0.1, 1.1, {}, kNoise);
+  const Preintegrated reference = Preintegrate(clean, 0.1, 1.1, {}, kLargeNoise);
   std::mt19937 rng(7);
   std::normal_distribution<double> normal;
-  const double sigma_w = kNoise.gyro_white_rad_per_sqrt_s * 10.0;  // white / sqrt(0.01 s)
-  const double sigma_f = kNoise.accel_white_mps_per_sqrt_s * 10.0;
+  const double sigma_w = kLargeNoise.gyro_white_rad_per_sqrt_s * 10.0;  // white / sqrt(0.01 s)
+  const double sigma_f = kLargeNoise.accel_white_mps_per_sqrt_s * 10.0;
   Matrix9 sum = Matrix9::Zero();
   for (int run = 0; run < kRuns; ++run) {
     ImuData noisy = clean;
@@ -50,7 +50,7 @@ TEST(PreintegrationNoise, CovarianceIsThatOfMonteCarlo) {
         sample.f_b_mps2[i] += sigma_f * normal(rng);
       }
     }
-    const Vector9 d = Difference(Preintegrate(noisy, 0.1, 1.1, {}, kNoise), reference);
+    const Vector9 d = Difference(Preintegrate(noisy, 0.1, 1.1, {}, kLargeNoise), reference);
     sum += d * d.transpose();
   }
   const Vector9 sigma = reference.covariance.diagonal().cwiseSqrt();
@@ -72,7 +72,7 @@ TEST(PreintegrationNoise, VibrationAddsToTheSamplesOfItsWindow) {
     sample.w_ib_b_radps.setZero();
     sample.f_b_mps2.setZero();
   }
-  PreintegrationNoise noise = kNoise;
+  PreintegrationNoise noise = kLargeNoise;
   noise.vibration = {{0.305, 0.4, 0.05, 0.2}, {0.404, 0.505, 0.05, 0.0}};
   const auto covariance = [&](double t0_s, double t1_s) {
     return Preintegrate(imu, t0_s, t1_s, {}, noise).covariance;
@@ -91,7 +91,7 @@ TEST(PreintegrationNoise, VibrationAddsToTheSamplesOfItsWindow) {
 
 TEST(PreintegrationNoise, RefusesVibrationThatIsNegative) {
   const ImuData imu = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
-  PreintegrationNoise noise = kNoise;
+  PreintegrationNoise noise = kLargeNoise;
   noise.vibration = {{0.3, 0.4, 0.1, -0.2}};
   EXPECT_THROW(Preintegrate(imu, 0.1, 1.1, {}, noise), InvalidInput);
 }
@@ -127,9 +127,9 @@ TEST(PreintegrationNoise, CovarianceOfVibrationIsThatOfMonteCarlo) {
 TEST(PreintegrationNoise, CovarianceDoesNotDependOnTheSampling) {
   const testing::EarthMotion motion = testing::PlaneMotion();
   const Matrix9 fast =
-      Preintegrate(motion.Measure(0.0, 1.0, 400.0), 0.0, 1.0, {}, kNoise).covariance;
+      Preintegrate(motion.Measure(0.0, 1.0, 400.0), 0.0, 1.0, {}, kLargeNoise).covariance;
   const Matrix9 slow =
-      Preintegrate(motion.Measure(0.0, 1.0, 50.0), 0.0, 1.0, {}, kNoise).covariance;
+      Preintegrate(motion.Measure(0.0, 1.0, 50.0), 0.0, 1.0, {}, kLargeNoise).covariance;
   const Vector9 sigma = fast.diagonal().cwiseSqrt();
   EXPECT_LE(Normalised(slow - fast, sigma).cwiseAbs().maxCoeff(), 1e-4);
 }
@@ -138,7 +138,7 @@ TEST(PreintegrationNoise, CovarianceDoesNotDependOnTheSampling) {
 TEST(PreintegrationNoise, CovarianceIsSymmetricAndPositive) {
   const ImuData imu = testing::VibratingMotion().Measure(0.0, 1.0, 200.0);
   for (const double end_s : {0.5005, 0.505, 0.55, 1.0}) {
-    const Matrix9 P = Preintegrate(imu, 0.5, end_s, {}, kNoise).covariance;
+    const Matrix9 P = Preintegrate(imu, 0.5, end_s, {}, kLargeNoise).covariance;
     const Matrix9 R = Normalised(P, P.diagonal().cwiseSqrt());
     EXPECT_LE((R - R.transpose()).norm(), 1e-14);
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix9>(R).eigenvalues()[0], 1e-3);
@@ -149,4 +149,4 @@ TEST(PreintegrationNoise, CovarianceIsSymmetricAndPositive) {
   }
 }
 
-}  // namespace dn::preintegration_noise_test
+}  // namespace dn::imu_test

@@ -13,7 +13,7 @@
 #include "testing/earth_motion.h"
 #include "testing/random.h"
 
-namespace dn::preintegration_test {
+namespace dn::imu_test {
 
 using Eigen::Vector3d;
 using testing::EarthMotion;
@@ -488,4 +488,4 @@ TEST(Preintegrate, RejectsIntervalsWithoutData) {
   EXPECT_NO_THROW(Preintegrate(imu, 0.52, 0.6, {}, kNoise));
 }
 
-}  // namespace dn::preintegration_test
+}  // namespace dn::imu_test

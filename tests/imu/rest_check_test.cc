@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace dn::rest_check_test {
+namespace dn::imu_test {
 
 constexpr double kDtS = 0.1;
 constexpr std::size_t kSecond = 10;
@@ -71,4 +71,4 @@ TEST(RestCheck, WhiteNoiseDoesNotDrift) {
   EXPECT_NEAR(sum2 / kRecords, 1.0, 0.3);  // three sigmas of the mean of a chi-square
 }
 
-}  // namespace dn::rest_check_test
+}  // namespace dn::imu_test

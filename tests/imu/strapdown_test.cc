@@ -9,13 +9,13 @@
 #include "testing/earth_motion.h"
 #include "testing/random.h"
 
-namespace dn::strapdown_test {
+namespace dn::imu_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using testing::EarthMotion;
 
-const PreintegrationNoise kNoise{1e-6, 1e-4, 1e-6};
+const PreintegrationNoise kSmallNoise{1e-6, 1e-4, 1e-6};
 
 LocalFrame Alps() { return LocalFrame({46.5 * kRadPerDeg, 6.5 * kRadPerDeg, 500.0}); }
 
@@ -63,8 +63,8 @@ TEST(GravitationGradient, IsNearlyThatOfAPointMass) {
   EXPECT_LE((GravitationGradient(frame, p) - expected).norm(), 0.015 * expected.norm());
 }
 
-Preintegrated Increments(const EarthMotion& motion, double t0_s, double t1_s) {
-  return Preintegrate(motion.Measure(t0_s - 0.05, t1_s + 0.05, 200.0), t0_s, t1_s, {}, kNoise);
+Preintegrated Integrated(const EarthMotion& motion, double t0_s, double t1_s) {
+  return Preintegrate(motion.Measure(t0_s - 0.05, t1_s + 0.05, 200.0), t0_s, t1_s, {}, kSmallNoise);
 }
 
 // Coriolis force, centrifugal force and gravity enter the simulation in another form than the
@@ -77,7 +77,7 @@ TEST(Propagate, FollowsAnAnalyticFlight) {
     SCOPED_TRACE("length " + std::to_string(length_s));
     const double t0_s = 12.0031;
     const MapPose end =
-        Propagate(motion.frame, motion.Pose(t0_s), Increments(motion, t0_s, t0_s + length_s));
+        Propagate(motion.frame, motion.Pose(t0_s), Integrated(motion, t0_s, t0_s + length_s));
     const MapPose truth = motion.Pose(t0_s + length_s);
     EXPECT_DOUBLE_EQ(end.t_s, truth.t_s);
     EXPECT_LE(end.q_mb.angularDistance(truth.q_mb), 2e-9);
@@ -103,7 +103,7 @@ TEST(Propagate, StillBodyStaysForAnHour) {
   const LocalFrame frame = Alps();
   const Eigen::Quaterniond q_mb = QuaternionFromRollPitchHeading({0.3, -0.2, 2.0});
   const Vector3d p(5000.0, 3000.0, 200.0);
-  const Preintegrated sample = Preintegrate(Still(frame, q_mb, p), 0.5, 0.52, {}, kNoise);
+  const Preintegrated sample = Preintegrate(Still(frame, q_mb, p), 0.5, 0.52, {}, kSmallNoise);
   MapPose pose{0.0, q_mb, p, Vector3d::Zero()};
   for (int i = 0; i < 180000; ++i) pose = Propagate(frame, pose, sample);
   EXPECT_LE((pose.p_mb - p).norm(), 1e-3);
@@ -116,7 +116,7 @@ TEST(Propagate, StillBodyLeavesWithoutTheEarthRate) {
   const LocalFrame frame = Alps();
   const Vector3d p(5000.0, 3000.0, 200.0);
   const Preintegrated second =
-      Preintegrate(Still(frame, Eigen::Quaterniond::Identity(), p), 0.0, 1.0, {}, kNoise);
+      Preintegrate(Still(frame, Eigen::Quaterniond::Identity(), p), 0.0, 1.0, {}, kSmallNoise);
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   Vector3d v = Vector3d::Zero(), moved = Vector3d::Zero();
   for (int i = 0; i < 3600; ++i) {
@@ -157,9 +157,12 @@ TEST(Propagate, ComposesOverASplit) {
   const EarthMotion motion = testing::VibratingMotion();
   const ImuData imu = motion.Measure(0.0, 2.0, 200.0);
   const MapPose start = motion.Pose(0.5);
-  const MapPose whole = Propagate(motion.frame, start, Preintegrate(imu, 0.5, 1.5, {}, kNoise));
-  const MapPose half = Propagate(motion.frame, start, Preintegrate(imu, 0.5, 0.9983, {}, kNoise));
-  const MapPose parts = Propagate(motion.frame, half, Preintegrate(imu, 0.9983, 1.5, {}, kNoise));
+  const MapPose whole =
+      Propagate(motion.frame, start, Preintegrate(imu, 0.5, 1.5, {}, kSmallNoise));
+  const MapPose half =
+      Propagate(motion.frame, start, Preintegrate(imu, 0.5, 0.9983, {}, kSmallNoise));
+  const MapPose parts =
+      Propagate(motion.frame, half, Preintegrate(imu, 0.9983, 1.5, {}, kSmallNoise));
   EXPECT_LE(parts.q_mb.angularDistance(whole.q_mb), 1e-9);
   EXPECT_LE((parts.v_m - whole.v_m).norm(), 1e-6);  // gravitation linear in time over 1 s or 0.5 s
   EXPECT_LE((parts.p_mb - whole.p_mb).norm(), 1e-6);
@@ -171,7 +174,7 @@ TEST(AffineStep, AgreesWithPropagate) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);
     const double length_s = std::uniform_real_distribution<double>(0.01, 1.0)(rng);
-    const Preintegrated pre = Increments(motion, 7.0, 7.0 + length_s);
+    const Preintegrated pre = Integrated(motion, 7.0, 7.0 + length_s);
     const Vector3d p = testing::RandomVector(rng, 2e4);
     const Vector3d nominal = p + testing::RandomVector(rng, 500.0);
     const MapPose start{7.0, testing::RandomRotation(rng), p, testing::RandomVector(rng, 100.0)};
@@ -195,4 +198,4 @@ TEST(AffineStep, ZeroLengthIsTheIdentity) {
   EXPECT_LE(step.p_v.norm() + step.v_p.norm() + step.p_0.norm() + step.v_0.norm(), 1e-15);
 }
 
-}  // namespace dn::strapdown_test
+}  // namespace dn::imu_test

@@ -5,7 +5,7 @@
 
 #include "white_imu.h"
 
-namespace dn::white_rows_test {
+namespace dn::imu_test {
 
 // The axis with the most noise of 100 rows exceeds the density by some percent.
 constexpr double kRelative = 0.2;
@@ -41,4 +41,4 @@ TEST(WhiteNoiseDensities, ZeroForFewRows) {
   EXPECT_EQ(EstimateWhiteNoise(imu).gyro_rad_per_sqrt_s, 0.0);
 }
 
-}  // namespace dn::white_rows_test
+}  // namespace dn::imu_test

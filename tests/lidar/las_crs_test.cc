@@ -5,7 +5,7 @@
 #include "testing/las_bytes.h"
 #include "testing/temp_file.h"
 
-namespace dn::las_crs_test {
+namespace dn::lidar_test {
 
 using testing::ExpectInvalidIn;
 using testing::LasBytes;
@@ -136,4 +136,4 @@ TEST(LasCrs, DeeplyNestedTextTakesNoTime) {
   EXPECT_FALSE(ReadCrs({}, {Wkt(text + std::string(kDepth, ']'))}).epsg);
 }
 
-}  // namespace dn::las_crs_test
+}  // namespace dn::lidar_test

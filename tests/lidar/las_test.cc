@@ -13,7 +13,7 @@
 #include "testing/temp_file.h"
 #include "testing/temp_folder.h"
 
-namespace dn::las_test {
+namespace dn::lidar_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -439,4 +439,4 @@ TEST(LasHeader, RejectsOtherFiles) {
   ExpectRefused("x", "strips must be .las or .txt files, but the extension is '.ply'", "strip.ply");
 }
 
-}  // namespace dn::las_test
+}  // namespace dn::lidar_test

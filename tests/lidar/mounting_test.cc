@@ -6,7 +6,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn::mounting_test {
+namespace dn::lidar_test {
 
 using testing::ExpectInvalid;
 
@@ -66,4 +66,4 @@ TEST(Georeference, KeepsRangesWhateverTheBoresight) {
   EXPECT_NEAR(Georeference(MapPose{}, mounting, u_s).norm(), 130.0, kRoundOff);
 }
 
-}  // namespace dn::mounting_test
+}  // namespace dn::lidar_test

@@ -4,7 +4,7 @@
 
 #include "testing/temp_file.h"
 
-namespace dn::new_las_strip_test {
+namespace dn::lidar_test {
 
 using Eigen::Vector3d;
 
@@ -53,4 +53,4 @@ TEST(NewLasStrip, APointBeyondTheGridIsAnError) {
   EXPECT_THROW(writer->Append(far), InvalidInput);
 }
 
-}  // namespace dn::new_las_strip_test
+}  // namespace dn::lidar_test

@@ -6,7 +6,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn::pairs_test {
+namespace dn::lidar_test {
 
 using ::testing::ElementsAre;
 using testing::ExpectInvalid;
@@ -198,4 +198,4 @@ TEST(PairOrigin, ADamagedLineIsNamed) {
   }
 }
 
-}  // namespace dn::pairs_test
+}  // namespace dn::lidar_test

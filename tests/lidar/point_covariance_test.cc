@@ -7,7 +7,7 @@
 
 #include "testing/random.h"
 
-namespace dn::point_covariance_test {
+namespace dn::lidar_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -98,4 +98,4 @@ TEST(PointCovariance, AgreesWithManyDisturbedPoints) {
   }
 }
 
-}  // namespace dn::point_covariance_test
+}  // namespace dn::lidar_test

@@ -5,7 +5,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn::strip_text_test {
+namespace dn::lidar_test {
 
 using Eigen::Vector3d;
 using testing::ExpectInvalid;
@@ -86,4 +86,4 @@ TEST(StripCloud, DropsFromEveryArray) {
   EXPECT_TRUE(points.u_s.empty());
 }
 
-}  // namespace dn::strip_text_test
+}  // namespace dn::lidar_test

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace dn::swath_test {
+namespace dn::lidar_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -65,4 +65,4 @@ TEST(EvenTimes, IncludeBothEnds) {
   EXPECT_EQ(EvenTimes(1.0, 3.0, 3), (std::vector<double>{1.0, 2.0, 3.0}));
 }
 
-}  // namespace dn::swath_test
+}  // namespace dn::lidar_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace dn::fit_local_planes_test {
+namespace dn::matching_test {
 
 // Coordinates of 1e3 m have a rounding of 1e-13 m, so that a normal over some metres is accurate to
 // 1e-12; the rest is margin.
@@ -86,4 +86,4 @@ TEST(FitLocalPlanes, RejectsBadInput) {
   EXPECT_TRUE(FitLocalPlanes({}, {}, 1.0).empty());
 }
 
-}  // namespace dn::fit_local_planes_test
+}  // namespace dn::matching_test

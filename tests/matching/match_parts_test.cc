@@ -13,7 +13,7 @@
 #include "register_patches.h"
 #include "testing/rough_town.h"
 
-namespace dn::internal::match_parts_test {
+namespace dn::matching_internal {
 
 using dn::testing::RoughTown;
 using Eigen::Vector2d;
@@ -228,4 +228,4 @@ TEST(PointTree, FindsWhatALookAtEveryPointFinds) {
   }
 }
 
-}  // namespace dn::internal::match_parts_test
+}  // namespace dn::matching_internal

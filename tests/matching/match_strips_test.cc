@@ -12,7 +12,7 @@
 #include "testing/rough_town.h"
 #include "testing/temp_folder.h"
 
-namespace dn::match_strips_test {
+namespace dn::matching_test {
 
 using Eigen::Vector3d;
 using testing::RoughTown;
@@ -170,4 +170,4 @@ TEST(ComputeMisalignment, HasTheDirectionOfTheDifferences) {
   EXPECT_NEAR(none.same_direction, 0.0, 1e-12);
 }
 
-}  // namespace dn::match_strips_test
+}  // namespace dn::matching_test

@@ -8,24 +8,24 @@
 
 #include "testing/roofs.h"
 
-namespace dn::planar_regions_test {
+namespace dn::matching_test {
 
 using Eigen::Vector3d;
 using testing::Roof;
 using testing::SurfaceHeight;
 
-constexpr double kSpacingM = 0.4;
-constexpr double kNoiseM = 0.02;
+constexpr double kRegionSpacingM = 0.4;
+constexpr double kRegionNoiseM = 0.02;
 
 /// Returns a cloud over 60 x 60 m of a surface with noise.
 template <class Height>
 std::vector<Vector3d> Scan(const Height& height, unsigned seed) {
   std::mt19937 rng(seed);
-  std::normal_distribution<double> noise(0.0, kNoiseM);
+  std::normal_distribution<double> noise(0.0, kRegionNoiseM);
   std::uniform_real_distribution<double> jitter(-0.1, 0.1);
   std::vector<Vector3d> points_m;
-  for (double x = -30.0; x < 30.0; x += kSpacingM) {
-    for (double y = -30.0; y < 30.0; y += kSpacingM) {
+  for (double x = -30.0; x < 30.0; x += kRegionSpacingM) {
+    for (double y = -30.0; y < 30.0; y += kRegionSpacingM) {
       const double e = x + jitter(rng), n = y + jitter(rng);
       points_m.emplace_back(1000.0 + e, -2000.0 + n, 400.0 + height(e, n) + noise(rng));
     }
@@ -41,11 +41,12 @@ TEST(GrowPlanarRegions, FindsBothSidesOfAGable) {
         return SurfaceHeight({kGable}, {e, n});
       },
       1);
-  const auto regions = GrowPlanarRegions(points_m, PlanarRegionOptions::ForSpacing(kSpacingM));
+  const auto regions =
+      GrowPlanarRegions(points_m, PlanarRegionOptions::ForSpacing(kRegionSpacingM));
   int sides = 0;
   for (const PlanarRegion& region : regions) {
     const double slope = std::acos(region.normal.z());
-    EXPECT_LT(region.rms_m, 1.3 * kNoiseM);
+    EXPECT_LT(region.rms_m, 1.3 * kRegionNoiseM);
     EXPECT_TRUE(std::is_sorted(region.points.begin(), region.points.end()));
     if (slope < 0.1) continue;  // a region of the ground
     ++sides;
@@ -58,7 +59,7 @@ TEST(GrowPlanarRegions, FindsBothSidesOfAGable) {
 
 TEST(GrowPlanarRegions, CutsTheGroundAndAcceptsNoPointTwice) {
   const std::vector<Vector3d> points_m = Scan([](double, double) { return 0.0; }, 2);
-  PlanarRegionOptions options = PlanarRegionOptions::ForSpacing(kSpacingM);
+  PlanarRegionOptions options = PlanarRegionOptions::ForSpacing(kRegionSpacingM);
   const auto regions = GrowPlanarRegions(points_m, options);
   EXPECT_GE(regions.size(), 16u);  // (60 m / 15 m)^2
   std::vector<int> used(points_m.size(), 0);
@@ -72,7 +73,8 @@ TEST(GrowPlanarRegions, NothingOnRoughGround) {
   std::mt19937 rng(3);
   std::normal_distribution<double> rough(0.0, 0.3);
   const std::vector<Vector3d> points_m = Scan([&](double, double) { return rough(rng); }, 3);
-  EXPECT_TRUE(GrowPlanarRegions(points_m, PlanarRegionOptions::ForSpacing(kSpacingM)).empty());
+  EXPECT_TRUE(
+      GrowPlanarRegions(points_m, PlanarRegionOptions::ForSpacing(kRegionSpacingM)).empty());
 }
 
 TEST(GrowPlanarRegions, RoughGroundIsNoPlaneHoweverFarItsPointsAreApart) {
@@ -102,4 +104,4 @@ TEST(GrowPlanarRegions, RejectsBadInput) {
   EXPECT_THROW(GrowPlanarRegions(points_m, {}), InvalidInput);
 }
 
-}  // namespace dn::planar_regions_test
+}  // namespace dn::matching_test

@@ -5,7 +5,7 @@
 
 #include "testing/strip_planes.h"
 
-namespace dn::shared_planes_test {
+namespace dn::matching_test {
 
 using Eigen::Vector3d;
 
@@ -83,4 +83,4 @@ TEST(MatchPlanes, OtherNormalsAreOtherPlanes) {
   for (const auto& members : found) EXPECT_LT(members[1], 0);
 }
 
-}  // namespace dn::shared_planes_test
+}  // namespace dn::matching_test

@@ -8,7 +8,7 @@
 
 #include "testing/roofs.h"
 
-namespace dn::strip_planes_test {
+namespace dn::matching_test {
 
 using Eigen::Vector3d;
 
@@ -113,4 +113,4 @@ TEST(ExtractStripPlanes, NoOverlapIsAFinding) {
   EXPECT_THROW(ExtractStripPlanes(Village({0.0}), {}), RankDeficient);
 }
 
-}  // namespace dn::strip_planes_test
+}  // namespace dn::matching_test

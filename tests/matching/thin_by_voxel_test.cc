@@ -9,7 +9,7 @@
 #include <random>
 #include <tuple>
 
-namespace dn::thin_by_voxel_test {
+namespace dn::matching_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -102,4 +102,4 @@ TEST(ThinByVoxel, RejectsBadInputByName) {
   }
 }
 
-}  // namespace dn::thin_by_voxel_test
+}  // namespace dn::matching_test

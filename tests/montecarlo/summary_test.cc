@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dn::summary_test {
+namespace dn::montecarlo_test {
 
 /// Draws records whose errors have the stated covariances times a scale; 1 is consistent.
 std::vector<FlightRecord> Records(int flights, double scale) {
@@ -98,4 +98,4 @@ TEST(FlightRecord, SurvivesItsFile) {
   EXPECT_EQ(back.innovations[0].axis, "east");
 }
 
-}  // namespace dn::summary_test
+}  // namespace dn::montecarlo_test

@@ -8,14 +8,15 @@
 
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::alignment_test {
+namespace dn::navigation_test {
 
 using testing::AircraftScenario;
 using testing::DroneScenario;
+using testing::kSigmas;
 
 // Bound of the error of the last state, in sigmas of the filter.
-constexpr double kSigmas = 4.0;
 // The alignment only starts the filter: it is good enough if the network converges from it.
 constexpr double kStartHeadingRad = 5.0 * kRadPerDeg;
 
@@ -189,4 +190,4 @@ TEST(Alignment, SpanIncludesThePairs) {
   EXPECT_EQ(GnssTimes(sim.flight, gnss).size(), GnssTimes(sim.flight, all).size());
 }
 
-}  // namespace dn::alignment_test
+}  // namespace dn::navigation_test

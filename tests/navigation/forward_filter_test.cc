@@ -8,16 +8,16 @@
 #include <utility>
 
 #include "testing/short_flights.h"
+#include "testing/tolerances.h"
 
-namespace dn::forward_filter_test {
+namespace dn::navigation_test {
 
 using testing::DroneScenario;
+using testing::kSigmas;
 
 constexpr double kSigmaAttitudeRad = 0.05;
 constexpr double kSigmaPositionM = 0.05;
 constexpr double kSigmaVelocityMps = 0.3;
-// A chi-square with n degrees of freedom has the variance 2 n; 6e-5 is outside of four sigmas.
-constexpr double kSigmas = 4.0;
 // Quantile of chi-square with nine degrees of freedom; 6e-5 is above it.
 constexpr double kNavBound = 34.5;
 
@@ -230,4 +230,4 @@ TEST_F(ForwardFilter, StartCovarianceHoldsTheModel) {
   EXPECT_DOUBLE_EQ(sigma[15], model.accel.processes[0].sigma);
 }
 
-}  // namespace dn::forward_filter_test
+}  // namespace dn::navigation_test

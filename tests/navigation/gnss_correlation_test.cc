@@ -3,7 +3,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::gnss_correlation_test {
+namespace dn::navigation_test {
 
 using testing::AircraftScenario;
 using testing::DroneScenario;
@@ -69,4 +69,4 @@ TEST(GnssCorrelation, IsSilentWhereTheProcessIsStated) {
   }
 }
 
-}  // namespace dn::gnss_correlation_test
+}  // namespace dn::navigation_test

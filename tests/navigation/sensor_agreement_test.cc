@@ -8,7 +8,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::sensor_agreement_test {
+namespace dn::navigation_test {
 
 using testing::AircraftScenario;
 using testing::DroneScenario;
@@ -205,4 +205,4 @@ TEST(SensorAgreement, AlignsFromUnevenEpochs) {
   EXPECT_LT(error, 5.0 * kRadPerDeg);
 }
 
-}  // namespace dn::sensor_agreement_test
+}  // namespace dn::navigation_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <regex>
 
-namespace dn::document_test {
+namespace dn::report_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -149,4 +149,4 @@ TEST(Text, HeadlinesAndTables) {
             "0.25\n  a note\n");
 }
 
-}  // namespace dn::document_test
+}  // namespace dn::report_test

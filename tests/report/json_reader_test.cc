@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-namespace dn::json_reader_test {
+namespace dn::report_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -141,4 +141,4 @@ TEST(JsonPlace, NamesFileAndPlaceOfWhatItDoesNotExpect) {
   EXPECT_THAT(Refusal([&] { root.At("half").Matrix3(); }), HasSubstr("is not a list of three"));
 }
 
-}  // namespace dn::json_reader_test
+}  // namespace dn::report_test

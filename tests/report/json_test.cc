@@ -3,7 +3,7 @@
 
 #include <limits>
 
-namespace dn::json_test {
+namespace dn::report_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -37,4 +37,4 @@ TEST(Json, NumbersReadBackToTheSameValue) {
   }
 }
 
-}  // namespace dn::json_test
+}  // namespace dn::report_test

@@ -9,7 +9,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn::network_file_test {
+namespace dn::report_test {
 
 using ::testing::HasSubstr;
 
@@ -104,4 +104,4 @@ TEST(NetworkFile, NamesThePlaceOfAWrongValue) {
   }
 }
 
-}  // namespace dn::network_file_test
+}  // namespace dn::report_test

@@ -11,7 +11,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn::plot_test {
+namespace dn::report_test {
 
 using ::testing::HasSubstr;
 
@@ -198,4 +198,4 @@ TEST(Plot, NothingWhereGnuplotFails) {
   EXPECT_FALSE(DrawSvg("a", "t", TwoPanels()).has_value());
 }
 
-}  // namespace dn::plot_test
+}  // namespace dn::report_test

@@ -2,7 +2,7 @@
 #include <dn/report/statistics.h>
 #include <gtest/gtest.h>
 
-namespace dn::statistics_test {
+namespace dn::report_test {
 
 constexpr double kRounding = 1e-15;  // a few additions of numbers of order one
 
@@ -89,4 +89,4 @@ TEST(Statistics, JsonGroupsAxesUnderTheirSensor) {
   EXPECT_EQ(StatisticsToJson({}).dump(), "{}");
 }
 
-}  // namespace dn::statistics_test
+}  // namespace dn::report_test

@@ -14,7 +14,7 @@
 #include "small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::clouds_test {
+namespace dn::sim_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -277,4 +277,4 @@ TEST(Clouds, ExistOnlyIfTheScenarioAsks) {
   EXPECT_EQ(Fly(scenario).clouds, nullptr);
 }
 
-}  // namespace dn::clouds_test
+}  // namespace dn::sim_test

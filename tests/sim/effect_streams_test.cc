@@ -7,7 +7,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::effect_streams_test {
+namespace dn::sim_test {
 
 SimulatedFlight With(const std::string& effects) {
   return Simulate(testing::SmallScenario("effects: [" + effects + "]\n"), {});
@@ -126,4 +126,4 @@ TEST(EffectStreams, EveryEffectOfTheTableIsSimulated) {
   }
 }
 
-}  // namespace dn::effect_streams_test
+}  // namespace dn::sim_test

@@ -13,7 +13,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::effects_test {
+namespace dn::sim_test {
 
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
@@ -21,7 +21,6 @@ using ::testing::HasSubstr;
 constexpr double kRounding = 1e-11;
 // Error of the conversion to geodetic coordinates and back.
 constexpr double kPositionRounding_m = 1e-7;
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
 /// Provides one flight without effects for all tests, and flights with the same seed and effects.
 class Effects : public ::testing::Test {
@@ -209,7 +208,7 @@ TEST_F(Effects, MisalignmentScaleAndSensitivityInTheirOrder) {
   const Eigen::Matrix3d turn_w = Exp(Vector3d(-1e-3, 2e-3, -3e-3)).toRotationMatrix();
   const Eigen::Matrix3d turn_f = Exp(Vector3d(-2e-3, 0.0, 1e-3)).toRotationMatrix();
   const Vector3d scale_w(1.0005, 1.0, 0.9997), scale_f(1.0, 1.0002, 1.0001);
-  const Vector3d sensitivity = Vector3d(1.0, 2.0, 3.0) * kRadPerDegree / 3600.0 / 9.80665;
+  const Vector3d sensitivity = Vector3d(1.0, 2.0, 3.0) * kRadPerDeg / 3600.0 / 9.80665;
   EachSample(with, [&](const ImuSample& sample, const ImuSample& clean, std::size_t k) {
     const ImuSample& exact = Exact().flight.imu->samples[k];
     const Vector3d w = scale_w.cwiseProduct(turn_w * exact.w_ib_b_radps) +
@@ -240,7 +239,7 @@ TEST_F(Effects, NoiseAndBiasAddToTheAssumedOnes) {
   const auto n = static_cast<double>(with.gyro_bias_radps.size());
   // The flight has about ten independent values on each of three axes, so that the rms scatters by
   // a tenth.
-  EXPECT_NEAR(std::sqrt(gyro2.sum() / 3.0 / n) / (50.0 * kRadPerDegree / 3600.0), 1.0, 0.4);
+  EXPECT_NEAR(std::sqrt(gyro2.sum() / 3.0 / n) / (50.0 * kRadPerDeg / 3600.0), 1.0, 0.4);
   EXPECT_NEAR(std::sqrt(accel2.sum() / 3.0 / n) / (5e-3 * 9.80665), 1.0, 0.4);
 }
 
@@ -261,7 +260,7 @@ TEST_F(Effects, VibrationIsWhiteInItsWindow) {
     ++n;
   });
   const double bound = 4.0 / std::sqrt(2.0 * 3.0 * n);
-  EXPECT_NEAR(std::sqrt(w2.sum() / 3.0 / n) / (0.1 * kRadPerDegree), 1.0, bound);
+  EXPECT_NEAR(std::sqrt(w2.sum() / 3.0 / n) / (0.1 * kRadPerDeg), 1.0, bound);
   EXPECT_NEAR(std::sqrt(f2.sum() / 3.0 / n) / 0.3, 1.0, bound);
 }
 
@@ -271,7 +270,7 @@ TEST_F(Effects, GravityTurnsAndGrows) {
   const SimulatedFlight tilted = With("{effect: gravity_tilt, value: [20, -10]}", false);
   const SimulatedFlight heavier = With("{effect: gravity_disturbance, value: 50}", false);
   const auto& frame = Clean().frame;
-  constexpr double kRadPerArcsecond = kRadPerDegree / 3600.0;
+  constexpr double kRadPerArcsecond = kRadPerDeg / 3600.0;
   for (std::size_t k = 0; k < Exact().flight.imu->samples.size(); k += 50) {
     const ImuSample& exact = Exact().flight.imu->samples[k];
     const MapPose pose = Exact().truth->Pose(exact.t_s - 0.5 * exact.dt_s);
@@ -346,7 +345,7 @@ TEST_F(Effects, AttitudeOffsetTurnsTheGivenTrajectoryAlone) {
       With("{effect: trajectory_attitude_offset, value: [0.05, 0.01, 0.2]}");
   EXPECT_FALSE(Clean().flight.trajectory);
   ASSERT_TRUE(with.flight.trajectory);
-  const Eigen::Quaterniond offset = Exp(Vector3d(kRadPerDegree * Vector3d(0.05, 0.01, 0.2)));
+  const Eigen::Quaterniond offset = Exp(Vector3d(kRadPerDeg * Vector3d(0.05, 0.01, 0.2)));
   const auto& given = with.flight.trajectory->points();
   const auto& truth = with.flight.reference->points();
   ASSERT_EQ(given.size(), truth.size());
@@ -359,4 +358,4 @@ TEST_F(Effects, AttitudeOffsetTurnsTheGivenTrajectoryAlone) {
   });
 }
 
-}  // namespace dn::effects_test
+}  // namespace dn::sim_test

@@ -13,7 +13,7 @@
 #include "sim/small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::flight_test {
+namespace dn::sim_test {
 
 using Eigen::Vector3d;
 
@@ -268,4 +268,4 @@ TEST(Simulate, ReportsItsStages) {
   EXPECT_THAT(stages, ::testing::ElementsAre("trajectory", "imu", "gnss", "pairs"));
 }
 
-}  // namespace dn::flight_test
+}  // namespace dn::sim_test

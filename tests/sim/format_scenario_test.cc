@@ -8,7 +8,7 @@
 #include "sim/small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::format_scenario_test {
+namespace dn::sim_test {
 
 using ::testing::HasSubstr;
 using testing::SmallScenario;
@@ -161,4 +161,4 @@ TEST(Replay, StripsBelongToItAndHavePlainNames) {
   EXPECT_THAT(fault("replay: a.out, strips: [{name: 1, t0: 1, t1: 1}]"), HasSubstr("later"));
 }
 
-}  // namespace dn::format_scenario_test
+}  // namespace dn::sim_test

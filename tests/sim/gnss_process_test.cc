@@ -6,7 +6,7 @@
 
 #include "small_scenario.h"
 
-namespace dn::gnss_process_test {
+namespace dn::sim_test {
 
 using testing::SmallScenario;
 
@@ -68,4 +68,4 @@ TEST(GnssProcesses, AreReadAsInAFlight) {
   EXPECT_EQ(scenario.gnss.processes[0], (GnssProcess{{0.0, 0.1, 0.2}, 60.0}));
 }
 
-}  // namespace dn::gnss_process_test
+}  // namespace dn::sim_test

@@ -9,11 +9,11 @@
 #include <string>
 
 #include "sim/small_scenario.h"
+#include "testing/tolerances.h"
 
-namespace dn::inertial_noise_test {
+namespace dn::sim_test {
 
-constexpr double kSigmas = 4.0;
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+using testing::kSigmas;
 
 /// Simulates a survey aircraft (navigation grade) or a drone (small sensor), at 100 Hz.
 SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool noise = true) {
@@ -67,7 +67,7 @@ TEST_P(InertialNoise, FindsAWindow) {
   const NoiseWindow& window = *check.window;
   EXPECT_NEAR(window.t0_s, 381150.0, 0.3);
   EXPECT_NEAR(window.t1_s, 381180.0, 0.3);
-  EXPECT_NEAR(window.sigma[kGyroTriad], 0.1 * kRadPerDegree,
+  EXPECT_NEAR(window.sigma[kGyroTriad], 0.1 * kRadPerDeg,
               kSigmas * window.sigma_of_sigma[kGyroTriad]);
   EXPECT_NEAR(window.sigma[kAccelTriad], 0.3, kSigmas * window.sigma_of_sigma[kAccelTriad]);
   EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kWindow);
@@ -75,4 +75,4 @@ TEST_P(InertialNoise, FindsAWindow) {
 
 INSTANTIATE_TEST_SUITE_P(Presets, InertialNoise, ::testing::Values("airins", "apx15"));
 
-}  // namespace dn::inertial_noise_test
+}  // namespace dn::sim_test

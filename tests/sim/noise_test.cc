@@ -9,7 +9,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::noise_test {
+namespace dn::sim_test {
 
 using Eigen::Vector3d;
 
@@ -155,4 +155,4 @@ TEST(SimulatedImu, SamplesAreMeansOverTheirIntervals) {
   }
 }
 
-}  // namespace dn::noise_test
+}  // namespace dn::sim_test

@@ -7,7 +7,7 @@
 #include "sim/small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::own_errors_test {
+namespace dn::sim_test {
 
 using Eigen::Vector3d;
 
@@ -165,4 +165,4 @@ TEST(WriteMeasurements, LeavesTheTruthOut) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "flight" / "reference.out"));
 }
 
-}  // namespace dn::own_errors_test
+}  // namespace dn::sim_test

@@ -11,7 +11,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::pairs_test {
+namespace dn::sim_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -255,4 +255,4 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                                            Band{"hal2", 2000, 2500, 1}),
                          [](const auto& band) { return band.param.name; });
 
-}  // namespace dn::pairs_test
+}  // namespace dn::sim_test

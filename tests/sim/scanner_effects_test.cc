@@ -10,11 +10,10 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::scanner_effects_test {
+namespace dn::sim_test {
 
 using Eigen::Vector3d;
 
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 constexpr double kSamePoint_m = 1e-6;  // sweep times are accurate to 1e-10 s, spans to 1e-7 s
 
 SimulatedFlight Exact(const std::string& effects) {
@@ -71,7 +70,7 @@ TEST(ScannerEffects, WithoutAnyThePairsMeet) {
 
 TEST(ScannerEffects, BoresightDriftsAboutTheMiddleOfThePairs) {
   const SimulatedFlight flight = Exact("{effect: boresight_drift, value: [3, -2, 1]}");
-  const Vector3d rate_radps = kRadPerDegree / 3600.0 * Vector3d(3.0, -2.0, 1.0);
+  const Vector3d rate_radps = kRadPerDeg / 3600.0 * Vector3d(3.0, -2.0, 1.0);
   const double middle_s = PairsMiddle(flight);
   Belief belief;
   belief.boresight_rad = [&](double t_s) {
@@ -91,7 +90,7 @@ TEST(ScannerEffects, BoresightStepsAtItsTime) {
   const double t0_s = 0.5 * (clean.strips[1].t0_s + clean.strips[1].t1_s);
   const SimulatedFlight flight = Exact(
       "{effect: boresight_step, value: [0.1, -0.2, 0.3], t0_s: " + std::to_string(t0_s) + "}");
-  const Vector3d step_rad = kRadPerDegree * Vector3d(0.1, -0.2, 0.3);
+  const Vector3d step_rad = kRadPerDeg * Vector3d(0.1, -0.2, 0.3);
   Belief belief;
   belief.boresight_rad = [&](double t_s) {
     return t_s >= t0_s ? Vector3d(flight.boresight_rad + step_rad) : flight.boresight_rad;
@@ -109,7 +108,7 @@ TEST(ScannerEffects, BoresightStepsAtItsTime) {
 
 TEST(ScannerEffects, BeamLeavesTheScanPlaneButNotInTheFile) {
   const SimulatedFlight flight = Exact("{effect: lidar_scan_cone, value: 0.5}");
-  const double cone = 0.5 * kRadPerDegree;
+  const double cone = 0.5 * kRadPerDeg;
   const Vector3d& axis = flight.scenario.lidar.scan_axis_s;
   for (const LidarPair& pair : flight.flight.pairs->pairs) {
     ASSERT_LT(std::abs(pair.u_i_s.dot(axis)), 1e-9);
@@ -130,7 +129,7 @@ TEST(ScannerEffects, ABeamOfAConeIsTurnedTowardTheScanAxis) {
   SimulateOptions options;
   options.noise = false;
   const SimulatedFlight flight = Simulate(scenario, options);
-  const double turn = 0.5 * kRadPerDegree;
+  const double turn = 0.5 * kRadPerDeg;
   const Vector3d& axis = scenario.lidar.scan_axis_s;
   for (const LidarPair& pair : flight.flight.pairs->pairs) {
     ASSERT_NEAR(pair.u_i_s.dot(scenario.lidar.nadir_axis_s),
@@ -151,7 +150,7 @@ TEST(ScannerEffects, ConeAngleAndRangeApplyInThisOrder) {
       "{effect: lidar_range_offset, value: 0.3}, {effect: lidar_range_scale, value: 2000},"
       "{effect: lidar_angle_scale, value: 5000}, {effect: lidar_scan_cone, value: -1}");
   const LidarScenario& lidar = flight.scenario.lidar;
-  const double cone = -kRadPerDegree;
+  const double cone = -kRadPerDeg;
   const Vector3d across = lidar.scan_axis_s.cross(lidar.nadir_axis_s);
   Belief belief = Assumed(flight);
   belief.true_vector = [&](const Vector3d& u_s) {
@@ -163,4 +162,4 @@ TEST(ScannerEffects, ConeAngleAndRangeApplyInThisOrder) {
   EXPECT_LT(LargestMisfit(flight, belief), kSamePoint_m);
 }
 
-}  // namespace dn::scanner_effects_test
+}  // namespace dn::sim_test

@@ -17,9 +17,7 @@
 #include "testing/hostile_yaml.h"
 #include "testing/temp_folder.h"
 
-namespace dn::scenario_test {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+namespace dn::sim_test {
 
 const std::string kGood = R"(name: x
 origin_deg_m: [46, 7, 500]
@@ -342,4 +340,4 @@ TEST(ReadScenario, FindsShippedScenariosAndFiles) {
   EXPECT_THAT(message("lar33"), ::testing::HasSubstr("lar3"));
 }
 
-}  // namespace dn::scenario_test
+}  // namespace dn::sim_test

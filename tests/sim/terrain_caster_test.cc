@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace dn::terrain_caster_test {
+namespace dn::sim_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -164,4 +164,4 @@ TEST(TerrainCaster, ReachesNoFartherThanAskedAndOnlyDownwards) {
   EXPECT_THROW(caster.Cast(origin_m, Vector3d::UnitX(), 200.0), InvalidInput);
 }
 
-}  // namespace dn::terrain_caster_test
+}  // namespace dn::sim_test

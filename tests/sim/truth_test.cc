@@ -9,12 +9,10 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::truth_test {
+namespace dn::sim_test {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 SimulatedFlight FlyWithoutPairs(Scenario scenario) {
   scenario.pairs.count = 0;
@@ -251,4 +249,4 @@ TEST(TruthTrajectory, RefusesTimesOutside) {
   EXPECT_THROW(flight.truth->State(std::nan("")), InvalidInput);
 }
 
-}  // namespace dn::truth_test
+}  // namespace dn::sim_test

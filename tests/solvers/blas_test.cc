@@ -6,7 +6,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::blas_test {
+namespace dn::solvers_test {
 
 /// Returns the shared library from which this process takes a function.
 std::string FindLibrary(const char* function) {
@@ -38,4 +38,4 @@ TEST(Blas, ThreadCountIsGivenBack) {
   EXPECT_EQ(get(), before);
 }
 
-}  // namespace dn::blas_test
+}  // namespace dn::solvers_test

@@ -7,9 +7,10 @@
 
 #include "testing/random.h"
 
-namespace dn::block_kinds_test {
+namespace dn::solvers_test {
 
-constexpr double kTolerance = 1e-9;  ///< relative, for a covariance computed in two equivalent ways
+constexpr double kKindsTolerance =
+    1e-9;  ///< relative, for a covariance computed in two equivalent ways
 
 /// Residual of a relative pose, for separate blocks and for poses.
 struct Relative {
@@ -71,7 +72,7 @@ TEST(Pose, IsARotationAndATranslation) {
     Eigen::Matrix<double, 6, 6> C;
     C << of_pairs.Covariance(q[i], q[i]), of_pairs.Covariance(q[i], p[i]),
         of_pairs.Covariance(p[i], q[i]), of_pairs.Covariance(p[i], p[i]);
-    EXPECT_LT((of_poses.Covariance(T[i]) - C).norm(), kTolerance * C.norm() * 1e2);
+    EXPECT_LT((of_poses.Covariance(T[i]) - C).norm(), kKindsTolerance * C.norm() * 1e2);
   }
 }
 
@@ -124,4 +125,4 @@ TEST(Network, RemovedFactorsDoNotCount) {
   EXPECT_EQ(EvaluateCost(net).residuals, 2);
 }
 
-}  // namespace dn::block_kinds_test
+}  // namespace dn::solvers_test

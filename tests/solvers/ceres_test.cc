@@ -23,12 +23,12 @@
 #include "solvers/pose_graph.h"
 #include "testing/random.h"
 
-namespace dn::ceres_test {
+namespace dn::solvers_test {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Rounding of two factorisations, relative to the sigmas.
-constexpr double kTolerance = 1e-7;
+constexpr double kCeresTolerance = 1e-7;
 
 void Solve(ceres::Problem* problem) {
   ceres::Solver::Options options;
@@ -44,7 +44,7 @@ void Solve(ceres::Problem* problem) {
 }
 
 /// Compares all diagonal blocks, and the blocks with the first unknown, with ceres::Covariance.
-void ExpectSameAsCeres(ceres::Problem& problem, double tolerance = kTolerance) {
+void ExpectSameAsCeres(ceres::Problem& problem, double tolerance = kCeresTolerance) {
   std::vector<double*> blocks;
   problem.GetParameterBlocks(&blocks);
   std::erase_if(blocks, [&](double* x) {
@@ -162,7 +162,7 @@ TEST(CeresCostFunction, TakesFactorsAndFunctions) {
   EXPECT_THROW(MakeCostFunction(std::shared_ptr<const FactorBase>()), InvalidInput);
 }
 
-struct Throwing : AutoFactor<Throwing, 1, Scalar> {
+struct ThrowingFactor : AutoFactor<ThrowingFactor, 1, Scalar> {
   template <class T>
   bool Residual(const T*, T*) const {
     throw std::logic_error("no model");
@@ -172,11 +172,11 @@ struct Throwing : AutoFactor<Throwing, 1, Scalar> {
 TEST(CeresCostFunction, FailsWhereItsFactorThrows) {
   double x = 0.0;
   ceres::Problem problem;
-  problem.AddResidualBlock(MakeCostFunction(Throwing()).release(), nullptr, &x);
+  problem.AddResidualBlock(MakeCostFunction(ThrowingFactor()).release(), nullptr, &x);
   EXPECT_FALSE(problem.Evaluate({}, nullptr, nullptr, nullptr, nullptr));
   EXPECT_THROW(Marginals{problem}, InvalidInput);
   Network net;
-  net.Add(Throwing(), net.AddScalar("x", 0.0));
+  net.Add(ThrowingFactor(), net.AddScalar("x", 0.0));
   NetworkProblem of_network(net);
   EXPECT_FALSE(of_network.problem().Evaluate({}, nullptr, nullptr, nullptr, nullptr));
   EXPECT_THAT([&] { of_network.RethrowFactorException(); },
@@ -447,4 +447,4 @@ TEST(ProblemNetwork, OfAG2oFileHasTheCovarianceOfCeres) {
   ExpectSameAsCeres(problem);
 }
 
-}  // namespace dn::ceres_test
+}  // namespace dn::solvers_test

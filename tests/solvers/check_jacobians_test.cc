@@ -9,7 +9,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::check_jacobians_test {
+namespace dn::solvers_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -129,4 +129,4 @@ TEST(Solve, ChecksJacobiansOnRequest) {
   EXPECT_NO_THROW((void)Solve(net, {.check_jacobians = false}));
 }
 
-}  // namespace dn::check_jacobians_test
+}  // namespace dn::solvers_test

@@ -11,19 +11,19 @@
 #include "solvers/pose_graph.h"
 #include "sparse/sparse.h"
 
-namespace dn::cholesky_test {
+namespace dn::solvers_test {
 
 constexpr int kSide = 8;
 constexpr int kBlockSize = 3;
 
 /// A cube of blocks, each connected to its neighbours; the last supernodes are several panels wide.
-struct Cube {
+struct BlockCube {
   Network network;
   sparse::SymmetricCsc blocks;
   sparse::SymmetricCsc A;
   Eigen::MatrixXd dense;
 
-  explicit Cube(unsigned seed) {
+  explicit BlockCube(unsigned seed) {
     blocks.n = kSide * kSide * kSide;
     for (int b = 0; b < blocks.n; ++b) {
       const auto x = network.AddVector<kBlockSize>("x" + std::to_string(b), {0.0, 0.0, 0.0});
@@ -76,7 +76,7 @@ class Cholesky : public ::testing::TestWithParam<LinearAlgebra> {};
 INSTANTIATE_TEST_SUITE_P(By, Cholesky,
                          ::testing::Values(LinearAlgebra::kMultifrontal, LinearAlgebra::kCholmod));
 
-std::vector<double> Values(const sparse::Cholesky& cholesky) {
+std::vector<double> CscValues(const sparse::Cholesky& cholesky) {
   return {cholesky.values(), cholesky.values() + cholesky.pattern().num_values};
 }
 
@@ -134,7 +134,7 @@ TEST_P(Cholesky, NumbersDoNotDependOnThreads) {
   for (const int threads : {2, 5}) {
     sparse::Cholesky several(one);
     ASSERT_TRUE(several.Factorize(cube.A, 0.0, threads));
-    EXPECT_EQ(Values(several), Values(one)) << threads;
+    EXPECT_EQ(CscValues(several), CscValues(one)) << threads;
     const sparse::SelectedInverse inverse(several, threads);
     for (int c = 0; c < cube.A.n; ++c) ASSERT_EQ(inverse.At(c, c), inverse_of_one.At(c, c)) << c;
   }
@@ -156,4 +156,4 @@ TEST_P(Cholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
   EXPECT_TRUE(cholesky.Factorize(cube.A));
 }
 
-}  // namespace dn::cholesky_test
+}  // namespace dn::solvers_test

@@ -12,14 +12,14 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::eliminate_test {
+namespace dn::solvers_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 
 // Rounding of two factorisations.
-constexpr double kTolerance = 1e-8;
+constexpr double kEliminationTolerance = 1e-8;
 
 /// A chain of plane positions with noisy steps, seen from a station now and then.
 struct Chain {
@@ -55,7 +55,7 @@ std::vector<BlockId> Ids(const std::vector<Block<Vec<2>>>& blocks, std::size_t f
 }
 
 /// Expects the same values and covariances of the blocks that both networks have.
-void ExpectSameResult(Network whole, Network rest, double tolerance = kTolerance) {
+void ExpectSameResult(Network whole, Network rest, double tolerance = kEliminationTolerance) {
   ASSERT_TRUE(Solve(whole).converged);
   const SolveReport report = Solve(rest);
   ASSERT_TRUE(report.converged);
@@ -220,4 +220,4 @@ TEST(Eliminate, WarnsIfTheNeighboursMoveTooFar) {
   EXPECT_GT(moved[0].error, 0.1);
 }
 
-}  // namespace dn::eliminate_test
+}  // namespace dn::solvers_test

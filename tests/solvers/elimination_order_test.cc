@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-namespace dn::elimination_order_test {
+namespace dn::solvers_test {
 
 /// Returns the pattern of a cube of side^3 blocks, in which each block shares a factor with its
 /// neighbours.
@@ -67,4 +67,4 @@ TEST(EliminationOrder, NothingHasAnEmptyOne) {
   EXPECT_EQ(order.operations(0), 0.0);
 }
 
-}  // namespace dn::elimination_order_test
+}  // namespace dn::solvers_test

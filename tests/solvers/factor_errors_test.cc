@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace dn::factor_errors_test {
+namespace dn::solvers_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -105,4 +105,4 @@ TEST(Solve, ReportsRedundancyAndSigma0) {
   EXPECT_TRUE(std::isnan(Solve(net).adjusted.sigma0()));
 }
 
-}  // namespace dn::factor_errors_test
+}  // namespace dn::solvers_test

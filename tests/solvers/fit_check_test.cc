@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "solvers/one_by_one.h"
 #include "solvers/pose_graph.h"
 
-namespace dn::fit_check_test {
+namespace dn::solvers_test {
 
 using testing::MakeVectorPrior;
+using testing::OneByOne;
 
 const FactorGroup kThermometer{"thermometer", {{"inside"}}};
-
-Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1>(x); }
 
 Marginals WithSelectedInverse(const Network& net) {
   Marginals marginals(net);
@@ -32,10 +32,10 @@ Marginals WithSelectedInverse(const Network& net) {
 // sigmas.
 TEST(CheckFit, OfAMean) {
   Network net;
-  const auto x = net.AddVector<1>("x", Scalar(2.0));
+  const auto x = net.AddVector<1>("x", OneByOne(2.0));
   FactorId last = -1;
   for (const double measured : {1.0, 1.0, 1.0, 5.0}) {
-    last = net.Add(MakeVectorPrior<1>(Scalar(measured), 1.0), x);
+    last = net.Add(MakeVectorPrior<1>(OneByOne(measured), 1.0), x);
     net.Tag(last, kThermometer, 10.0 + measured);
   }
   const FitCheck check = CheckFit(WithSelectedInverse(net));
@@ -71,13 +71,13 @@ TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
   std::normal_distribution<double> normal;
   Network net;
   for (int k = 0; k < 150; ++k) {
-    const auto x = net.AddVector<1>("x/" + std::to_string(k), Scalar(0.0));
+    const auto x = net.AddVector<1>("x/" + std::to_string(k), OneByOne(0.0));
     const double truth = 100.0 * normal(rng);
     for (const bool bad : {false, true, false, true}) {
       const double measured = truth + (bad ? 3.0 : 1.0) * normal(rng);
-      net.Tag(net.Add(MakeVectorPrior<1>(Scalar(measured), 1.0), x), bad ? "bad" : "good", k);
+      net.Tag(net.Add(MakeVectorPrior<1>(OneByOne(measured), 1.0), x), bad ? "bad" : "good", k);
     }
-    const FactorId prior = net.Add(MakeVectorPrior<1>(Scalar(0.0), 100.0), x);
+    const FactorId prior = net.Add(MakeVectorPrior<1>(OneByOne(0.0), 100.0), x);
     net.Tag(prior, {"prior", {}, {}, FactorGroup::Kind::kPrior}, k);
   }
   for (const bool weighted_right : {false, true}) {
@@ -88,7 +88,7 @@ TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
         ASSERT_TRUE(net.EvaluateFactor(id, &r));
         const double z = net.Value(Block<Vec<1>>{net.factor(id).blocks[0]})[0] - r[0];
         net.ReplaceFactor(
-            id, std::make_shared<testing::VectorPrior<1>>(MakeVectorPrior<1>(Scalar(z), 3.0)));
+            id, std::make_shared<testing::VectorPrior<1>>(MakeVectorPrior<1>(OneByOne(z), 3.0)));
       }
     }
     ASSERT_TRUE(Solve(net).converged);
@@ -122,9 +122,9 @@ TEST(OutlierTest, RefusesProbabilitiesThatAreNone) {
 // 1). The sum of the rows is zero, because the mean absorbs their common part.
 TEST(ResidualForm, MomentsOfAMean) {
   Network net;
-  const auto x = net.AddVector<1>("x", Scalar(0.0));
+  const auto x = net.AddVector<1>("x", OneByOne(0.0));
   for (int k = 0; k < 5; ++k) {
-    net.Tag(net.Add(MakeVectorPrior<1>(Scalar(0.0), 1.0), x), kThermometer, k);
+    net.Tag(net.Add(MakeVectorPrior<1>(OneByOne(0.0), 1.0), x), kThermometer, k);
   }
   const Marginals marginals(net);
   std::vector<ResidualForm> forms = ChannelForms(marginals.linearized());
@@ -141,9 +141,9 @@ TEST(ResidualForm, MomentsOfAMean) {
 TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
   Network net;
   for (int k = 0; k < 250; ++k) {
-    const auto x = net.AddVector<1>("x/" + std::to_string(k), Scalar(0.0));
+    const auto x = net.AddVector<1>("x/" + std::to_string(k), OneByOne(0.0));
     for (int i = 0; i < 2; ++i) {
-      net.Tag(net.Add(MakeVectorPrior<1>(Scalar(0.0), 1.0), x), kThermometer, k);
+      net.Tag(net.Add(MakeVectorPrior<1>(OneByOne(0.0), 1.0), x), kThermometer, k);
     }
   }
   const Marginals marginals(net);
@@ -155,4 +155,4 @@ TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
       << "must be conservative";
 }
 
-}  // namespace dn::fit_check_test
+}  // namespace dn::solvers_test

@@ -11,7 +11,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::gauss_newton_test {
+namespace dn::solvers_test {
 
 using testing::MakePoseGraph;
 using testing::PoseGraph;
@@ -175,4 +175,4 @@ TEST(SharedAnalysis, FollowsAStructureThatChanges) {
   EXPECT_NEAR(more.Covariance(far)(0, 0), 4.0, 1e-12);
 }
 
-}  // namespace dn::gauss_newton_test
+}  // namespace dn::solvers_test

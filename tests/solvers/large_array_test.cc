@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace dn::large_array_test {
+namespace dn::solvers_test {
 
 constexpr std::size_t kMillion = 1000000;
 
@@ -61,4 +61,4 @@ TEST(ArrayPool, WhatIsSmallOrTooManyIsFreed) {
   EXPECT_EQ(tiny.get_deleter().pool, nullptr);
 }
 
-}  // namespace dn::large_array_test
+}  // namespace dn::solvers_test

@@ -5,18 +5,11 @@
 #include <string>
 #include <vector>
 
-namespace dn::large_network_slow_test {
+#include "solvers/step_factor.h"
 
-/// r = x_j - x_i - z.
-struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
-  Eigen::Vector3d z = Eigen::Vector3d::Zero();
+namespace dn::solvers_test {
 
-  template <class T>
-  bool Residual(const T* x_i, const T* x_j, T* r) const {
-    for (int k = 0; k < 3; ++k) r[k] = x_j[k] - x_i[k] - z[k];
-    return true;
-  }
-};
+using testing::Step;
 
 /// A cube of points with exact measured differences between neighbours; one point is constant.
 struct Cube {
@@ -34,7 +27,7 @@ struct Cube {
     }
   }
   void Connect(int i, int j) {
-    Difference f;
+    Step f;
     f.z = truth[static_cast<std::size_t>(j)] - truth[static_cast<std::size_t>(i)];
     net.Add(f, points[static_cast<std::size_t>(i)], points[static_cast<std::size_t>(j)]);
   }
@@ -59,4 +52,4 @@ TEST(LargeNetwork, IsSolvedInTheOrderOfItsDissection) {
   EXPECT_LT(worst, 1e-7);
 }
 
-}  // namespace dn::large_network_slow_test
+}  // namespace dn::solvers_test

@@ -12,7 +12,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::linear_algebra_test {
+namespace dn::solvers_test {
 
 using testing::MakePoseGraph;
 using testing::PoseGraph;
@@ -144,4 +144,4 @@ TEST(LinearAlgebra, ASharedAnalysisFollowsTheChoice) {
   }
 }
 
-}  // namespace dn::linear_algebra_test
+}  // namespace dn::solvers_test

@@ -13,19 +13,12 @@
 #include <vector>
 
 #include "solvers/pose_graph.h"
+#include "solvers/step_factor.h"
 
-namespace dn::linearized_network_test {
+namespace dn::solvers_test {
 
 using testing::MakeVectorPrior;
-
-struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
-  Eigen::Vector3d z;
-  template <class T>
-  bool Residual(const T* a, const T* b, T* r) const {
-    for (int i = 0; i < 3; ++i) r[i] = 2.0 * (b[i] - a[i] - z[i]);
-    return true;
-  }
-};
+using testing::Step;
 
 /// A triangle of positions: x2 is constant, one factor has a robust loss, one factor is inactive.
 struct Triangle {
@@ -47,8 +40,9 @@ struct Triangle {
   }
 
   FactorId AddDifference(int a, int b, const Eigen::Vector3d& z) {
-    Difference factor;
+    Step factor;
     factor.z = z;
+    factor.sigma = 0.5;
     return net.Add(factor, x[a], x[b]);
   }
 };
@@ -185,7 +179,8 @@ struct Stated {
       const FactorId id =
           net.Add(MakeVectorPrior<3>(Eigen::Vector3d(0.3, 0.1 * k, 1.0), sigma), x[k]);
       if (k % 2 == 0) scaled.push_back(id);
-      Difference step;
+      Step step;
+      step.sigma = 0.5;
       step.z = Eigen::Vector3d(0.2, 0.1, -0.1 * k);
       if (k > 0) net.Add(step, x[k - 1], x[k]);
     }
@@ -286,4 +281,4 @@ TEST(LinearizedNetwork, SizesThatDoNotFitAreNamed) {
   EXPECT_THROW(Marginals(triangle.net).Solve(Eigen::MatrixXd::Zero(5, 1)), InvalidInput);
 }
 
-}  // namespace dn::linearized_network_test
+}  // namespace dn::solvers_test

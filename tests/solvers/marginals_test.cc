@@ -9,14 +9,14 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::marginals_test {
+namespace dn::solvers_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
 
 // Relative to the two standard deviations. The condition number of the scaled matrix is about 1e5.
-constexpr double kTolerance = 1e-9;
+constexpr double kMarginalsTolerance = 1e-9;
 
 /// The dense covariance of all blocks that are not constant, and the offset of each block in it.
 struct DenseCovariance {
@@ -93,7 +93,8 @@ void ExpectJointBlocksAgree(const Network& network, const DenseCovariance& dense
       Eigen::Index column = 0;
       for (const BlockId b : blocks) {
         const int columns = network.block(b).kind.tangent_size;
-        EXPECT_LT(dense.Difference(joint->block(row, column, rows, columns), a, b), kTolerance);
+        EXPECT_LT(dense.Difference(joint->block(row, column, rows, columns), a, b),
+                  kMarginalsTolerance);
         column += columns;
       }
       row += rows;
@@ -113,20 +114,20 @@ void ExpectAllBlocksAgree(const Network& network) {
   const auto boresight_columns = columns.SolveColumns({0, 1});
   int outside = 0;
   for (BlockId a = 0; a < network.num_blocks(); ++a) {
-    EXPECT_LT(dense.Difference(columns.Covariance(a), a, a), kTolerance);
-    EXPECT_LT(dense.Difference(selected.DiagonalBlock(a), a, a), kTolerance);
-    EXPECT_LT(dense.Difference(selected.Covariance(a), a, a), kTolerance);
+    EXPECT_LT(dense.Difference(columns.Covariance(a), a, a), kMarginalsTolerance);
+    EXPECT_LT(dense.Difference(selected.DiagonalBlock(a), a, a), kMarginalsTolerance);
+    EXPECT_LT(dense.Difference(selected.Covariance(a), a, a), kMarginalsTolerance);
     const Eigen::MatrixXd rows = boresight_columns.Rows(a);
     EXPECT_LT(dense.Difference(rows.leftCols(network.block(0).kind.tangent_size), a, 0),
-              kTolerance);
+              kMarginalsTolerance);
     EXPECT_LT(dense.Difference(rows.rightCols(network.block(1).kind.tangent_size), a, 1),
-              kTolerance);
+              kMarginalsTolerance);
     for (BlockId b = 0; b < a; ++b) {
-      EXPECT_LT(dense.Difference(columns.Covariance(a, b), a, b), kTolerance);
-      EXPECT_LT(dense.Difference(selected.Covariance(b, a), b, a), kTolerance);
+      EXPECT_LT(dense.Difference(columns.Covariance(a, b), a, b), kMarginalsTolerance);
+      EXPECT_LT(dense.Difference(selected.Covariance(b, a), b, a), kMarginalsTolerance);
       const auto block = selected.SelectedCovariance(a, b);
       if (block) {
-        EXPECT_LT(dense.Difference(*block, a, b), kTolerance);
+        EXPECT_LT(dense.Difference(*block, a, b), kMarginalsTolerance);
       } else {
         ++outside;
       }
@@ -185,8 +186,8 @@ void ExpectAgreesWithCeresCovariance(PoseGraph& graph) {
     covariance.GetCovarianceBlockInTangentSpace(pairs[static_cast<std::size_t>(b)].first,
                                                 pairs[static_cast<std::size_t>(b)].second,
                                                 C.data());
-    EXPECT_LT(dense.Difference(C.transpose(), 0, b), kTolerance);
-    EXPECT_LT(dense.Difference(marginals.Covariance(0, b), 0, b), kTolerance);
+    EXPECT_LT(dense.Difference(C.transpose(), 0, b), kMarginalsTolerance);
+    EXPECT_LT(dense.Difference(marginals.Covariance(0, b), 0, b), kMarginalsTolerance);
   }
 }
 
@@ -237,7 +238,7 @@ TEST(Marginals, ReducedNormalInvertsTheCovariance) {
 }
 
 /// r = (b - a) / sigma.
-struct Difference : AutoFactor<Difference, 2, Vec<2>, Vec<2>> {
+struct UnequalDifference : AutoFactor<UnequalDifference, 2, Vec<2>, Vec<2>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {
     r[0] = (b[0] - a[0]) / 0.1;
@@ -263,7 +264,7 @@ TEST(Marginals, VarianceGrowsAlongAChain) {
   std::vector<Block<Vec<2>>> x;
   for (int i = 0; i <= 9; ++i) {
     x.push_back(net.AddVector<2>("x/" + std::to_string(i), Eigen::Vector2d::Zero()));
-    if (i > 0) net.Add(Difference{}, x[x.size() - 2], x.back());
+    if (i > 0) net.Add(UnequalDifference{}, x[x.size() - 2], x.back());
   }
   net.Hold(x[0]);
   Marginals marginals(net);
@@ -291,7 +292,7 @@ TEST(Marginals, SurvivesTheNetworkAndItsOwnMove) {
   const Marginals second = std::move(first);
   graph.reset();
   EXPECT_EQ(second.Covariance(q_bs), expected);
-  EXPECT_LT((columns.Rows(q_bs.id) - expected).norm(), kTolerance * expected.norm());
+  EXPECT_LT((columns.Rows(q_bs.id) - expected).norm(), kMarginalsTolerance * expected.norm());
 }
 
 TEST(Marginals, RejectsWhatItCannotAnswer) {
@@ -319,4 +320,4 @@ TEST(Marginals, OfHeldBlocksOnly) {
   EXPECT_TRUE(marginals.DiagonalBlock(x.id).isZero(0.0));
 }
 
-}  // namespace dn::marginals_test
+}  // namespace dn::solvers_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::nist_test {
+namespace dn::solvers_test {
 
 using namespace testing;
 
@@ -155,4 +155,4 @@ TEST(Solve, AFlatThatRemainsIsNotConvergence) {
       << report.message;
 }
 
-}  // namespace dn::nist_test
+}  // namespace dn::solvers_test

@@ -8,7 +8,7 @@
 #include "quiet_log.h"
 #include "sparse/serial_blas.h"
 
-namespace dn::parallel_settings_test {
+namespace dn::solvers_test {
 
 /// Two threads hold a setting with overlapping lifetimes; the first one also ends first. `look` is
 /// called in the main thread while zero, one, one and zero threads hold it.
@@ -72,4 +72,4 @@ TEST(ParallelSettings, OpenMpIsSerialInTheThreadsThatAskForIt) {
   EXPECT_EQ(levels(), before);
 }
 
-}  // namespace dn::parallel_settings_test
+}  // namespace dn::solvers_test

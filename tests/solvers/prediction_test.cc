@@ -11,7 +11,7 @@
 #include "solvers/pose_graph.h"
 #include "solvers/step_factor.h"
 
-namespace dn::prediction_test {
+namespace dn::solvers_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
@@ -98,12 +98,12 @@ TEST(Redundancy, StandardisesTheResiduals) {
 }
 
 /// A chain of noisy steps with noisy positions at every node.
-struct Chain {
+struct PredictedChain {
   Network net;
   std::vector<Block<Vec<3>>> x;
   std::vector<FactorId> positions;
 
-  explicit Chain(int nodes) {
+  explicit PredictedChain(int nodes) {
     std::mt19937 rng(8);
     std::normal_distribution<double> normal;
     const auto noise = [&] { return Eigen::Vector3d(normal(rng), normal(rng), normal(rng)); };
@@ -131,7 +131,7 @@ struct Chain {
 // it.
 TEST(Prediction, EqualsTheAdjustmentWithoutTheFactor) {
   for (const bool robust : {false, true}) {
-    Chain chain(20);
+    PredictedChain chain(20);
     const FactorId id = chain.positions[7];
     if (robust) chain.net.SetLoss(id, {Loss::Type::kHuber, 0.2});
     const Prediction with = chain.Predict(id);
@@ -145,7 +145,7 @@ TEST(Prediction, EqualsTheAdjustmentWithoutTheFactor) {
 }
 
 TEST(Prediction, SaysWhenTheOthersLeaveTheUnknownsFree) {
-  Chain chain(5);
+  PredictedChain chain(5);
   for (std::size_t k = 1; k < chain.positions.size(); ++k) {
     chain.net.SetActive(chain.positions[k], false);
   }
@@ -169,7 +169,7 @@ TEST(Prediction, SaysSoOfAnUnknownThatOnlyTheFactorSees) {
 
 // With robust weights the redundancy numbers still sum to residuals minus parameters.
 TEST(Redundancy, CountsRobustWeights) {
-  Chain chain(20);
+  PredictedChain chain(20);
   for (const FactorId id : chain.positions) chain.net.SetLoss(id, {Loss::Type::kHuber, 0.5});
   ASSERT_TRUE(Solve(chain.net).converged);
   Marginals marginals(chain.net);
@@ -182,4 +182,4 @@ TEST(Redundancy, CountsRobustWeights) {
   EXPECT_EQ(RedundancyNumbers(side_by_side), RedundancyNumbers(marginals));
 }
 
-}  // namespace dn::prediction_test
+}  // namespace dn::solvers_test

@@ -5,12 +5,14 @@
 #include <type_traits>
 
 #include "solvers/pose_graph.h"
+#include "solvers/step_factor.h"
 
-namespace dn::propagate_test {
+namespace dn::solvers_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
+using testing::Step;
 
 // Two positions are 3 and 4 m apart along x and y, with sigmas of 0.1 and 0.2 m. The distance has
 // the sigma sqrt(0.01 + 0.04), from the components along the line between them.
@@ -29,22 +31,15 @@ TEST(Propagate, DistanceOfTwoPositions) {
   EXPECT_NEAR(distance.sigma()[0], std::sqrt(0.05), 1e-14);
 }
 
-/// r = (b - a) / sigma.
-struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
-  template <class T>
-  bool Residual(const T* a, const T* b, T* r) const {
-    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i]) / 0.1;
-    return true;
-  }
-};
-
 // b = a + 0.1: both have the error of the prior of a, but their difference does not.
 TEST(Propagate, CountsWhatUnknownsHaveInCommon) {
   Network net;
   const auto a = net.AddVector<3>("a", Eigen::Vector3d::Zero());
   const auto b = net.AddVector<3>("b", Eigen::Vector3d::Zero());
   net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 10.0), a);
-  net.Add(Difference{}, a, b);
+  Step step;
+  step.sigma = 0.1;
+  net.Add(step, a, b);
   const Marginals marginals(net);
   const Eigen::Matrix<double, 6, 6> joint = Joint(marginals, a, b);
   EXPECT_NEAR(joint(0, 0), 100.0, 1e-9);
@@ -115,4 +110,4 @@ TEST(Joint, HoldsTheCovarianceOfEachBlockAndZeroForOneThatIsHeld) {
   EXPECT_EQ((joint.block<3, 9>(3, 0).norm()), 0.0);
 }
 
-}  // namespace dn::propagate_test
+}  // namespace dn::solvers_test

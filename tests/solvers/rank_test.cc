@@ -7,8 +7,9 @@
 #include <limits>
 
 #include "solvers/pose_graph.h"
+#include "solvers/step_factor.h"
 
-namespace dn::rank_test {
+namespace dn::solvers_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -16,9 +17,10 @@ using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using ::testing::Not;
 using testing::PoseGraph;
+using testing::Step;
 
 /// r = (a + b - z) / sigma: observes only the sum.
-struct Sum : AutoFactor<Sum, 1, Vec<3>, Vec<1>> {
+struct ComponentSum : AutoFactor<ComponentSum, 1, Vec<3>, Vec<1>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {
     r[0] = (a[1] + b[0] - T(1.0)) / 0.01;
@@ -34,17 +36,6 @@ struct Combination : AutoFactor<Combination, 1, Vec<3>> {
   template <class T>
   bool Residual(const T* x, T* r) const {
     r[0] = (k[0] * x[0] + k[1] * x[1] + k[2] * x[2]) / sigma;
-    return true;
-  }
-};
-
-/// r = (x_j - x_i) / sigma.
-struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
-  double sigma = 1.0;
-
-  template <class T>
-  bool Residual(const T* x_i, const T* x_j, T* r) const {
-    for (int i = 0; i < 3; ++i) r[i] = (x_j[i] - x_i[i]) / sigma;
     return true;
   }
 };
@@ -99,7 +90,7 @@ TEST(Rank, NamesTheGaugeOfAChainOverTime) {
   for (int i = 0; i < 40; ++i) {
     x.push_back(net.AddVector<3>("position/" + std::to_string(i), Eigen::Vector3d::Zero()));
     net.SetLabel(x.back().id, {"position", {"east", "north", "up"}, "m", 1.0, 381000.0 + 5.0 * i});
-    if (i > 0) net.Add(Difference{}, x[x.size() - 2], x.back());
+    if (i > 0) net.Add(Step{}, x[x.size() - 2], x.back());
   }
   net.Add(See({0, 0, 1}, 0.01), x[3]);
   EXPECT_THAT(CatchMessage(net), AllOf(HasSubstr("leave 2 directions"),
@@ -115,7 +106,7 @@ TEST(Rank, NamesTheEpochsThatAreCutOff) {
   for (int i = 0; i < 40; ++i) {
     x.push_back(net.AddVector<3>("p/" + std::to_string(i), Eigen::Vector3d::Zero()));
     net.SetLabel(x.back().id, {"position", {"east", "north", "up"}, "m", 1.0, 100.0 + i});
-    if (i > 0 && i != 30) net.Add(Difference{}, x[x.size() - 2], x.back());
+    if (i > 0 && i != 30) net.Add(Step{}, x[x.size() - 2], x.back());
   }
   net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 0.02), x[0]);
   EXPECT_THAT(CatchMessage(net), AllOf(HasSubstr("leave 3 directions"),
@@ -137,7 +128,7 @@ TEST(Rank, NamesBlocksOfAUsersOwnKind) {
   const auto b = net.AddVector<1>("range offset", Eigen::Matrix<double, 1, 1>(0.0));
   net.Add(See({1, 0, 0}), a);
   net.Add(See({0, 0, 1}), a);
-  net.Add(Sum{}, a, b);
+  net.Add(ComponentSum{}, a, b);
   EXPECT_THAT(CatchMessage(net),
               AllOf(HasSubstr("mount[1] (0.71)"), HasSubstr("range offset (0.71)")));
 }
@@ -169,7 +160,7 @@ TEST(Rank, AWeakGaugeOfALongChainIsNotFree) {
   std::vector<Block<Vec<3>>> x;
   for (int i = 0; i < 2000; ++i) {
     x.push_back(net.AddVector<3>("p/" + std::to_string(i), Eigen::Vector3d::Zero()));
-    Difference f;
+    Step f;
     f.sigma = 1e-4;
     if (i > 0) net.Add(f, x[x.size() - 2], x.back());
   }
@@ -178,4 +169,4 @@ TEST(Rank, AWeakGaugeOfALongChainIsNotFree) {
   EXPECT_NEAR(C(0, 0), 1.0 + 1000 * 1e-8, 1e-4);
 }
 
-}  // namespace dn::rank_test
+}  // namespace dn::solvers_test

@@ -14,7 +14,7 @@
 #include "solvers/pose_graph.h"
 #include "solvers/step_factor.h"
 
-namespace dn::restricted_likelihood_test {
+namespace dn::solvers_test {
 
 using testing::MakeVectorPrior;
 using testing::Step;
@@ -23,11 +23,11 @@ constexpr double kPositionSigma = 0.5, kStepSigma = 0.2;
 
 /// A chain of noisy steps with measured positions; the true noise of the positions is
 /// `position_ratio` times the stated noise.
-struct Chain {
+struct NoisyChain {
   Network net;
   std::vector<FactorId> positions;
 
-  Chain(unsigned seed, int nodes, double position_ratio = 1.0) {
+  NoisyChain(unsigned seed, int nodes, double position_ratio = 1.0) {
     std::mt19937 rng(seed);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) {
@@ -80,7 +80,7 @@ Eigen::VectorXd RandomShare(Eigen::Index rows) {
 }
 
 TEST(RestrictedLikelihood, IsItsDefinition) {
-  const Chain chain(1, 20, 1.3);
+  const NoisyChain chain(1, 20, 1.3);
   const LinearizedNetwork linearized(chain.net);
   const Eigen::VectorXd share = RandomShare(linearized.rows());
   const std::vector<double> thetas{-0.6, -0.1, 0.0, 0.4, 2.0, 100.0};
@@ -115,7 +115,7 @@ TEST(RestrictedLikelihood, OfAPoseGraphIsItsDefinition) {
 }
 
 TEST(RestrictedLikelihood, IsKnownWhereItWasAskedForBefore) {
-  const Chain chain(4, 20, 1.3);
+  const NoisyChain chain(4, 20, 1.3);
   const LinearizedNetwork linearized(chain.net);
   const Eigen::VectorXd share = RandomShare(linearized.rows());
   VarianceLikelihood likelihood(linearized, share, 2);
@@ -134,7 +134,7 @@ TEST(RestrictedLikelihood, IsKnownWhereItWasAskedForBefore) {
 
 // A second scaling takes the noise after the first one as the stated noise.
 TEST(RestrictedLikelihood, OfAScaledNetworkGoesOnFromThere) {
-  const Chain chain(2, 20);
+  const NoisyChain chain(2, 20);
   const LinearizedNetwork linearized(chain.net);
   const Eigen::VectorXd share = Eigen::VectorXd::Ones(linearized.rows());
   const VarianceProfile profile = ProfileVariance(linearized, share, {1.0, 3.0});
@@ -151,7 +151,7 @@ TEST(RestrictedLikelihood, PicksTheRightRatio) {
   std::vector<double> mean(thetas.size(), 0.0);
   double sum = 0.0, sum2 = 0.0;
   for (unsigned seed = 1; seed <= kFlights; ++seed) {
-    const Chain chain(seed, 100, kRatio);
+    const NoisyChain chain(seed, 100, kRatio);
     const LinearizedNetwork linearized(chain.net);
     const VarianceProfile profile =
         ProfileVariance(linearized, chain.PositionShare(linearized), thetas);
@@ -167,7 +167,7 @@ TEST(RestrictedLikelihood, PicksTheRightRatio) {
 }
 
 TEST(VarianceScore, IsTheSlopeOfTheLikelihood) {
-  const Chain chain(3, 20, 1.3);
+  const NoisyChain chain(3, 20, 1.3);
   const LinearizedNetwork linearized(chain.net);
   Eigen::MatrixXd shares(linearized.rows(), 2);
   shares << chain.PositionShare(linearized), RandomShare(linearized.rows());
@@ -183,14 +183,14 @@ TEST(VarianceScore, IsTheSlopeOfTheLikelihood) {
 // information.
 TEST(VarianceScore, HasTheInformationAsItsCovariance) {
   constexpr int kFlights = 400;
-  const LinearizedNetwork first(Chain(1, 20).net);
+  const LinearizedNetwork first(NoisyChain(1, 20).net);
   Eigen::MatrixXd shares(first.rows(), 2);
-  shares << Chain(1, 20).PositionShare(first), RandomShare(first.rows());
+  shares << NoisyChain(1, 20).PositionShare(first), RandomShare(first.rows());
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(2);
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(2, 2);
   Eigen::MatrixXd information;
   for (unsigned seed = 1; seed <= kFlights; ++seed) {
-    const VarianceScore score = ScoreVariances(Marginals(Chain(seed, 20).net), shares);
+    const VarianceScore score = ScoreVariances(Marginals(NoisyChain(seed, 20).net), shares);
     mean += score.u / kFlights;
     square += score.u * score.u.transpose() / kFlights;
     information = score.information;
@@ -206,7 +206,7 @@ TEST(VarianceScore, HasTheInformationAsItsCovariance) {
 
 // For a large network the traces come from samples.
 TEST(VarianceScore, OfALargeNetworkIsSampled) {
-  const Chain chain(4, 150);
+  const NoisyChain chain(4, 150);
   const LinearizedNetwork linearized(chain.net);
   const Eigen::VectorXd share = chain.PositionShare(linearized);
   const VarianceScore score = ScoreVariances(Marginals(linearized), share);
@@ -231,7 +231,7 @@ TEST(RestrictedLikelihood, WithoutUnknownsItIsTheLikelihood) {
 }
 
 TEST(RestrictedLikelihood, WhatCannotBeIsNamed) {
-  const Chain chain(1, 3);
+  const NoisyChain chain(1, 3);
   const LinearizedNetwork linearized(chain.net);
   const Eigen::VectorXd share = chain.PositionShare(linearized);
   EXPECT_THROW(ProfileVariance(linearized, share.head(4), {0.1}), InvalidInput);
@@ -241,4 +241,4 @@ TEST(RestrictedLikelihood, WhatCannotBeIsNamed) {
   EXPECT_THROW(ScoreVariances(Marginals(linearized), share.head(4)), InvalidInput);
 }
 
-}  // namespace dn::restricted_likelihood_test
+}  // namespace dn::solvers_test

@@ -6,11 +6,11 @@
 
 #include "testing/random.h"
 
-namespace dn::scale_test {
+namespace dn::solvers_test {
 
 constexpr int kNodes = 2000;  ///< with 10 unknowns each
 constexpr int kLoops = 300;
-constexpr double kTolerance = 1e-9;  ///< relative; the condition number is below 1e6
+constexpr double kScaleTolerance = 1e-9;  ///< relative; the condition number is below 1e6
 
 using State = Vec<10>;
 using Values = Eigen::Matrix<double, 10, 1>;
@@ -90,12 +90,13 @@ TEST(Scale, TwentyThousandUnknowns) {
   marginals.ComputeSelectedInverse();
   const auto columns = marginals.SolveColumns({b.id, x[777].id});
   const Eigen::Matrix3d C_bb = columns.Rows(b.id).leftCols<3>();
-  EXPECT_LT((marginals.DiagonalBlock(b.id) - C_bb).norm(), kTolerance * C_bb.norm());
+  EXPECT_LT((marginals.DiagonalBlock(b.id) - C_bb).norm(), kScaleTolerance * C_bb.norm());
   const Eigen::MatrixXd C_xx = columns.Rows(x[777].id).rightCols<10>();
-  EXPECT_LT((marginals.DiagonalBlock(x[777].id) - C_xx).norm(), kTolerance * C_xx.norm());
+  EXPECT_LT((marginals.DiagonalBlock(x[777].id) - C_xx).norm(), kScaleTolerance * C_xx.norm());
   const auto C_next = marginals.SelectedCovariance(x[778].id, x[777].id);
   ASSERT_TRUE(C_next.has_value());
-  EXPECT_LT((*C_next - columns.Rows(x[778].id).rightCols<10>()).norm(), kTolerance * C_xx.norm());
+  EXPECT_LT((*C_next - columns.Rows(x[778].id).rightCols<10>()).norm(),
+            kScaleTolerance * C_xx.norm());
 }
 
-}  // namespace dn::scale_test
+}  // namespace dn::solvers_test

@@ -11,7 +11,7 @@
 #include "solvers/pose_graph.h"
 #include "solvers/step_factor.h"
 
-namespace dn::score_test_test {
+namespace dn::solvers_test {
 
 using testing::MakeVectorPrior;
 using testing::Step;
@@ -28,12 +28,12 @@ struct ShiftedPosition : AutoFactor<ShiftedPosition, 3, Vec<3>, Vec<3>> {
 };
 
 /// A chain of noisy steps in which the positions of nodes 20 to 29 share an offset.
-struct Chain {
+struct OffsetChain {
   Network net;
   Block<Vec<3>> offset;
   std::vector<FactorId> positions;
 
-  Chain(unsigned seed, const Eigen::Vector3d& true_offset) {
+  OffsetChain(unsigned seed, const Eigen::Vector3d& true_offset) {
     std::mt19937 rng(seed);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) {
@@ -84,7 +84,7 @@ struct Chain {
 
 // The problem is linear, so the test must predict the adjustment with the effect exactly.
 TEST(ScoreTest, EqualsTheAdjustmentWithTheEffect) {
-  Chain chain(1, {0.7, -0.2, 0.4});
+  OffsetChain chain(1, {0.7, -0.2, 0.4});
   const double cost_without = chain.SolveCost();
   const ScoreTest test = chain.Test();
   chain.net.Hold(chain.offset, false);
@@ -99,7 +99,7 @@ TEST(ScoreTest, IsChiSquareWithoutTheEffect) {
   double sum = 0.0;
   constexpr int kSeeds = 200;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    Chain chain(seed, Eigen::Vector3d::Zero());
+    OffsetChain chain(seed, Eigen::Vector3d::Zero());
     chain.SolveCost();
     sum += chain.Test().statistic;
   }
@@ -108,7 +108,7 @@ TEST(ScoreTest, IsChiSquareWithoutTheEffect) {
 }
 
 TEST(ScoreTest, ManyEffectsAtOnceAreTestedEachByItself) {
-  Chain chain(2, {0.3, 0.0, 0.0});
+  OffsetChain chain(2, {0.3, 0.0, 0.0});
   chain.SolveCost();
   const Marginals marginals(chain.net);
   const std::vector<EffectModel> effects(40, chain.Offset());
@@ -132,7 +132,7 @@ TEST(ScoreTest, DropsWhatTheUnknownsAbsorb) {
 
 /// Splits the offset into its first component and the other two, and adds a slope over the same
 /// positions.
-std::vector<EffectModel> Parts(const Chain& chain) {
+std::vector<EffectModel> Parts(const OffsetChain& chain) {
   std::vector<EffectModel> parts(3);
   double k = 0.0;
   for (const EffectPart& part : chain.Offset()) {
@@ -145,7 +145,7 @@ std::vector<EffectModel> Parts(const Chain& chain) {
 }
 
 TEST(JointScore, TogetherIsTheEffectAsAWhole) {
-  Chain chain(3, {0.5, 0.1, -0.3});
+  OffsetChain chain(3, {0.5, 0.1, -0.3});
   chain.SolveCost();
   const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {});
   const ScoreTest whole = chain.Test();
@@ -157,7 +157,7 @@ TEST(JointScore, TogetherIsTheEffectAsAWhole) {
 
 // Conditioning on an effect must equal having it among the unknowns.
 TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
-  Chain chain(4, {0.5, 0.1, -0.3});
+  OffsetChain chain(4, {0.5, 0.1, -0.3});
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
   const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
@@ -174,7 +174,7 @@ TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
 
 // The shift predicts how far the unknowns move once the effect is estimated.
 TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
-  Chain chain(5, {0.7, -0.2, 0.4});
+  OffsetChain chain(5, {0.7, -0.2, 0.4});
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
   const JointScore score = ScoreEffects(Marginals(chain.net), {chain.Offset()}, {x25.id});
@@ -188,7 +188,7 @@ TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
 
 // A step has zero derivatives before it; those factors must be treated as absent.
 TEST(JointScore, PartsOfZerosAreAsNone) {
-  Chain chain(6, {0.5, 0.1, -0.3});
+  OffsetChain chain(6, {0.5, 0.1, -0.3});
   chain.SolveCost();
   EffectModel late = chain.Offset(), later_only = late;
   for (std::size_t k = 0; k < 5; ++k) late[k].L.setZero();
@@ -203,7 +203,7 @@ TEST(JointScore, PartsOfZerosAreAsNone) {
 }
 
 TEST(ScoreTest, SaysNothingOfAnEffectWithoutAnActiveFactor) {
-  Chain chain(1, Eigen::Vector3d::Zero());
+  OffsetChain chain(1, Eigen::Vector3d::Zero());
   const EffectModel effect = chain.Offset();
   for (const EffectPart& part : effect) chain.net.SetActive(part.factor, false);
   const Marginals marginals(chain.net);
@@ -215,7 +215,7 @@ TEST(ScoreTest, SaysNothingOfAnEffectWithoutAnActiveFactor) {
 }
 
 TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
-  Chain chain(1, Eigen::Vector3d::Zero());
+  OffsetChain chain(1, Eigen::Vector3d::Zero());
   const Marginals marginals(chain.net);
   EffectModel effect = chain.Offset();
   effect[3].L = Eigen::MatrixXd::Identity(3, 2);
@@ -224,4 +224,4 @@ TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
       << "held";
 }
 
-}  // namespace dn::score_test_test
+}  // namespace dn::solvers_test

@@ -8,12 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "solvers/one_by_one.h"
 #include "solvers/pose_graph.h"
 
-namespace dn::solve_test {
+namespace dn::solvers_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
+using testing::OneByOne;
 using testing::PoseGraph;
 
 // Without noise the minimum is the truth; the tolerance allows for the convergence of the last
@@ -44,17 +46,15 @@ struct SquareRoot : AutoFactor<SquareRoot, 1, Vec<1>> {
   }
 };
 
-Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1>(x); }
-
-testing::VectorPrior<1> Prior(double z) { return MakeVectorPrior<1>(Scalar(z), 1.0); }
+testing::VectorPrior<1> Prior(double z) { return MakeVectorPrior<1>(OneByOne(z), 1.0); }
 
 // A levelled triangle with a misclosure of 6 mm: each of the three equally weighted differences is
 // corrected by 2 mm.
 TEST(Solve, AdjustsALevellingTriangle) {
   Network net;
-  const auto a = net.AddVector<1>("a", Scalar(100.0));
-  const auto b = net.AddVector<1>("b", Scalar(0.0));
-  const auto c = net.AddVector<1>("c", Scalar(0.0));
+  const auto a = net.AddVector<1>("a", OneByOne(100.0));
+  const auto b = net.AddVector<1>("b", OneByOne(0.0));
+  const auto c = net.AddVector<1>("c", OneByOne(0.0));
   net.Hold(a);
   HeightDifference f;
   f.sigma_m = 0.001;
@@ -108,8 +108,8 @@ TEST(Solve, TwoThreadsGiveTheSameSolution) {
 
 TEST(Solve, LeavesInactiveFactorsOutAndUnusedBlocksAlone) {
   Network net;
-  const auto x = net.AddVector<1>("x", Scalar(0.0));
-  const auto unused = net.AddVector<1>("unused", Scalar(7.0));
+  const auto x = net.AddVector<1>("x", OneByOne(0.0));
+  const auto unused = net.AddVector<1>("unused", OneByOne(7.0));
   net.Add(Prior(1.0), x);
   const FactorId outlier = net.Add(Prior(100.0), x);
   net.SetActive(net.Add(Prior(3.0), unused), false);
@@ -197,7 +197,7 @@ TEST(Solve, TakesALossOfOnesOwn) {
 // Two observations of 0 and one of 10 with Huber loss of width 1: 2 x = 1.
 TEST(Solve, HuberLossBoundsTheInfluenceOfAnOutlier) {
   Network net;
-  const auto x = net.AddVector<1>("x", Scalar(4.0));
+  const auto x = net.AddVector<1>("x", OneByOne(4.0));
   for (const double z : {0.0, 0.0, 10.0}) {
     net.SetLoss(net.Add(Prior(z), x), {Loss::Type::kHuber, 1.0});
   }
@@ -270,7 +270,7 @@ TEST(Solve, EndsWhereAStepIsShortInSigmas) {
 
 TEST(Solve, NamesAnUndefinedFactorAndPrintsNothing) {
   Network net;
-  const auto x = net.AddVector<1>("range offset", Scalar(-1.0));
+  const auto x = net.AddVector<1>("range offset", OneByOne(-1.0));
   net.Tag(net.Add(SquareRoot{}, x), "square root", 12.5);
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
@@ -300,7 +300,7 @@ TEST(Solve, NothingToSolveConverges) {
   Network empty;
   EXPECT_TRUE(Solve(empty).converged);
   Network held;
-  const auto x = held.AddVector<1>("x", Scalar(2.0));
+  const auto x = held.AddVector<1>("x", OneByOne(2.0));
   held.Add(Prior(1.0), x);
   held.Hold(x);
   const SolveReport report = Solve(held);
@@ -321,4 +321,4 @@ TEST(Solve, RejectsBadOptions) {
   EXPECT_THROW((void)Solve(net, {.initial_trust_region_radius = 0.0}), InvalidConfig);
 }
 
-}  // namespace dn::solve_test
+}  // namespace dn::solvers_test

@@ -6,7 +6,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn::state_covariance_test {
+namespace dn::solvers_test {
 
 TEST(StateCovariance, IsThatOfTheMarginals) {
   testing::PoseGraph graph = testing::MakePoseGraph(3, {.noise = 1.0});
@@ -50,4 +50,4 @@ TEST(StateCovariance, MakesThePriorOfTheNextDay) {
   EXPECT_LE((MarginalSigma(tuesday, second) - MarginalSigma(both, x)).norm(), 1e-9);
 }
 
-}  // namespace dn::state_covariance_test
+}  // namespace dn::solvers_test

@@ -9,13 +9,15 @@
 #include <limits>
 #include <string>
 
+#include "solvers/one_by_one.h"
 #include "solvers/pose_graph.h"
 
-namespace dn::weak_directions_test {
+namespace dn::solvers_test {
 
 using ::testing::HasSubstr;
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
+using testing::OneByOne;
 using testing::PoseGraph;
 
 /// r = (a + b) / sigma.
@@ -28,18 +30,16 @@ struct Sum : AutoFactor<Sum, 1, Vec<1>, Vec<1>> {
   }
 };
 
-Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1>(x); }
-
 // The sum of a and b has sigma 0.01, each of them sigma 1: N = [10001 10000; 10000 10001]. Scaled
 // to a unit diagonal its eigenvalues are 1 -+ 10000/10001, and the weak direction is the
 // difference.
 TEST(WeakDirections, OfTwoUnknownsWhoseSumIsMeasured) {
   Network net;
-  const auto a = net.AddVector<1>("a", Scalar(0.0)), b = net.AddVector<1>("b", Scalar(0.0));
+  const auto a = net.AddVector<1>("a", OneByOne(0.0)), b = net.AddVector<1>("b", OneByOne(0.0));
   net.SetLabel(a.id, {"antenna", {"up"}, "m", 1.0, std::numeric_limits<double>::quiet_NaN()});
   net.SetLabel(b.id, {"position", {"up"}, "m", 1.0, 381000.0});
-  net.Add(MakeVectorPrior<1>(Scalar(0.0), 1.0), a);
-  net.Add(MakeVectorPrior<1>(Scalar(0.0), 1.0), b);
+  net.Add(MakeVectorPrior<1>(OneByOne(0.0), 1.0), a);
+  net.Add(MakeVectorPrior<1>(OneByOne(0.0), 1.0), b);
   Sum sum;
   sum.sigma = 0.01;
   net.Add(sum, a, b);
@@ -95,4 +95,4 @@ TEST(WeakDirections, SumToTheCovariance) {
   EXPECT_THROW(WeakDirections(marginals, 0), InvalidInput);
 }
 
-}  // namespace dn::weak_directions_test
+}  // namespace dn::solvers_test

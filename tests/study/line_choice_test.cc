@@ -11,7 +11,7 @@
 #include "study/small_designs.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::line_choice_test {
+namespace dn::testing::study_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST(LineChoice, RefusesWhatIsNone) {
               HasSubstr("did you mean 'gnss_lever_arm'?"));
 }
 
-}  // namespace dn::testing::line_choice_test
+}  // namespace dn::testing::study_test

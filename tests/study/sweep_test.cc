@@ -9,7 +9,7 @@
 #include "study/small_designs.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing::sweep_test {
+namespace dn::testing::study_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -149,4 +149,4 @@ TEST(Sweep, TheShippedOneIsOne) {
   EXPECT_THAT(sweep.Labels(15), ElementsAre("two_by_two", "mems"));
 }
 
-}  // namespace dn::testing::sweep_test
+}  // namespace dn::testing::study_test

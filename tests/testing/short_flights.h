@@ -4,6 +4,7 @@
 #include <dn/sim/simulate.h>
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 
 namespace dn::testing {
@@ -81,5 +82,13 @@ struct Calibration {
     return Log(Eigen::Quaterniond(Exp(boresight.angles_rad) * Exp(true_rad).conjugate()));
   }
 };
+
+/// Returns a simulated flight of a scenario.
+inline SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed, bool noise = true) {
+  SimulateOptions options;
+  options.seed = seed;
+  options.noise = noise;
+  return Simulate(scenario, options);
+}
 
 }  // namespace dn::testing
