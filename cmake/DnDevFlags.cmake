@@ -7,9 +7,6 @@ target_compile_options(dn_dev_flags INTERFACE
   # gcc 12 reports false overlaps and overflows for "text" + std::string (gcc bug 105651), more
   # often with precompiled headers. The address sanitizer finds real ones.
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>"
-  # In a unity build gcc treats the joined sources as headers. It also takes names that one of them
-  # declares outside functions for outer names of all others.
-  "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage;-Wno-shadow>"
   $<$<BOOL:${DN_WERROR}>:-Werror>)
 if(DN_SANITIZE)
   target_compile_options(dn_dev_flags INTERFACE

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr std::size_t kFewestPairsOfGroup = 12;
@@ -134,4 +134,4 @@ std::optional<double> BoresightScatter(const FlightNetwork& network, int threads
   return ExcessScatter(values, G.transpose() * G);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Estimates a boresight from each pair of strips and returns the scatter of these estimates beyond
 /// their noise, rad, per angle. Each estimate uses the INS/GNSS data and the point pairs of its two
@@ -24,4 +24,4 @@ std::optional<double> BoresightScatter(const FlightNetwork& network, int threads
 /// d. Returns 0 if they scatter less than C predicts. Each value takes three rows.
 double ExcessScatter(const Eigen::VectorXd& values, const Eigen::MatrixXd& C);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kShortestStepS = 0.45;
@@ -46,4 +46,4 @@ FlightNetwork BuildChangedNetwork(const FlightNetwork& solved, const Flight& fli
   return network;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

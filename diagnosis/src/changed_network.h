@@ -2,7 +2,7 @@
 
 #include <dn/builder/flight_network.h>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Builds the network of a flight that differs from the flight of `solved` only in its
 /// configuration. The network is not solved. Its values are the trajectory, calibration and mean
@@ -10,4 +10,4 @@ namespace dn::internal {
 /// if the solution hardly changes. `flight` must outlive the result. Throws as Build.
 FlightNetwork BuildChangedNetwork(const FlightNetwork& solved, const Flight& flight, int threads);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

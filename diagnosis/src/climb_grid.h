@@ -3,7 +3,7 @@
 #include <initializer_list>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Climbs on a grid of whole numbers from a point to one that no neighbour exceeds. `axes` are the
 /// coordinates with their largest values; the smallest is 0. `height` returns the height of a
@@ -27,4 +27,4 @@ Point ClimbGrid(Point top, std::initializer_list<std::pair<int Point::*, int>> a
   return top;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 /// Assigns numbers to names, in the order of their first use.
@@ -175,4 +175,4 @@ std::vector<ResidualForm> CommonErrorForms(const FlightNetwork& network,
   return CommonErrors(network, linearized).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,10 +5,10 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns the forms that sum the residuals of an axis over time windows and over strip pairs.
 std::vector<ResidualForm> CommonErrorForms(const FlightNetwork& network,
                                            const LinearizedNetwork& linearized);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 /// One unknown of the network, and the solution without estimating it.
@@ -115,4 +115,4 @@ std::vector<CompetingEffectCheck> FindCompetingEffects(
   return competing_effects;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

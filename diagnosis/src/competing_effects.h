@@ -10,7 +10,7 @@
 #include "evidence.h"
 #include "hypothesis.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns the estimated unknowns of a network that are effects of the table, without the
 /// boresight.
@@ -36,4 +36,4 @@ std::vector<CompetingEffectCheck> FindCompetingEffects(
     const JointScore& score, const std::vector<BlockId>& watched,
     const std::vector<BlockId>& unknowns, const TestFamily& family);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

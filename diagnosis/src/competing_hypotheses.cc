@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // Priors: no effect 0.5, effects of the table 0.4, unmodelled discrepancies 0.1, each split
@@ -190,4 +190,4 @@ GapVerdict Decide(const Decision& decision, const std::vector<std::string>& name
   return verdict;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -7,7 +7,7 @@
 
 #include "hypothesis_evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A cause of the verdict and its competing hypotheses, given all other causes.
 struct CompetingHypotheses {
@@ -52,4 +52,4 @@ struct Decision {
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
                   const std::vector<CompetingHypotheses>& sets);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Evidence threshold for naming an effect. `evidence_95` is the 95 % quantile of the largest
 /// evidence in the library over replicates without any effect. The threshold exceeds it by
@@ -29,4 +29,4 @@ constexpr int NumReplicates(GapOptions::Depth depth) {
   return depth == GapOptions::Depth::kQuick ? 200 : 100;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

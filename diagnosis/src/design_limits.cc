@@ -14,7 +14,7 @@
 #include "unavailable.h"
 
 namespace dn {
-namespace internal {
+namespace diagnosis_internal {
 namespace {
 
 constexpr PlannedRates kRates{.imu_hz = 100.0, .gnss_hz = 1.0};
@@ -54,7 +54,7 @@ GapResult DiagnoseDesignLimits(const Flight& flight, const GapOptions& options) 
   return WithLimits(flight, std::move(diagnosis));
 }
 
-}  // namespace internal
+}  // namespace diagnosis_internal
 
 std::vector<DetectionLimit> DesignDetectionLimits(const Solution& solution,
                                                   const GapOptions& options) {
@@ -63,10 +63,11 @@ std::vector<DetectionLimit> DesignDetectionLimits(const Solution& solution,
     if (options.interrupted && options.interrupted()) throw Interrupted();
   };
   poll();
-  const internal::Screen screen(solution.network(), solution.marginals(),
-                                internal::MakeLibraryOptions(options));
+  const diagnosis_internal::Screen screen(solution.network(), solution.marginals(),
+                                          diagnosis_internal::MakeLibraryOptions(options));
   poll();
-  return internal::ComputeDetectionLimits(screen, internal::kDesignThresholdNats, options.seed);
+  return diagnosis_internal::ComputeDetectionLimits(
+      screen, diagnosis_internal::kDesignThresholdNats, options.seed);
 }
 
 }  // namespace dn

@@ -4,7 +4,7 @@
 
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns whether the flight has poses at which a network can be linearised without a solution: a
 /// trajectory, an initial guess or a reference.
@@ -20,4 +20,4 @@ Screen ScreenDesign(const Flight& flight, const GapOptions& options, long* rows 
 /// ScreenDesign.
 GapResult DiagnoseDesignLimits(const Flight& flight, const GapOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // The covariance of an unknown does not cover an error above this many of its sigmas.
@@ -79,4 +79,4 @@ std::vector<UndetectableEffect> FindUndetectable(const Library& library, const J
   return found;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include "evidence.h"
 #include "hypothesis.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A signature is absorbed by the unknowns if they leave less than this share of its squared length:
 /// that is rounding error.
@@ -29,4 +29,4 @@ Eigen::VectorXd MinimalDetectableBiases(const Hypothesis& hypothesis, const Join
 std::vector<UndetectableEffect> FindUndetectable(const Library& library, const JointScore& score,
                                                  const TestFamily& family);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -13,7 +13,7 @@
 #include "evidence.h"
 #include "semidefinite_root.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kNamed = 0.8;
@@ -223,4 +223,4 @@ std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double 
   return limits;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

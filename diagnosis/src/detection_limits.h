@@ -7,7 +7,7 @@
 
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns the detection limits of all fixed effects, largest shift of the boresight first. The
 /// minimal detectable bias is found with probability 0.8 by a test of level 0.001 of its
@@ -17,4 +17,4 @@ namespace dn::internal {
 std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double threshold_nats,
                                                    std::uint64_t seed);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -11,19 +11,20 @@
 namespace dn {
 namespace {
 
-using internal::List;
-using internal::Number;
+using diagnosis_internal::List;
+using diagnosis_internal::Number;
 
 constexpr std::size_t kMaxLimitsListed = 5;
 
 std::string DetectionLimitLine(const DetectionLimit& effect, bool with_boresight) {
-  std::string text =
-      fmt::format("          {:<27} below {}", effect.effect, internal::DetectableWords(effect));
+  std::string text = fmt::format("          {:<27} below {}", effect.effect,
+                                 diagnosis_internal::DetectableWords(effect));
   if (effect.minimal_identifiable) {
-    text += ", not identifiable below " + internal::Rounded(*effect.minimal_identifiable, 2);
+    text +=
+        ", not identifiable below " + diagnosis_internal::Rounded(*effect.minimal_identifiable, 2);
   }
   if (with_boresight) {
-    text += ", boresight shift up to " + internal::MdegWords(effect.boresight_shift_rad);
+    text += ", boresight shift up to " + diagnosis_internal::MdegWords(effect.boresight_shift_rad);
   }
   return text + "\n";
 }
@@ -33,7 +34,8 @@ std::string DetectionLimitLine(const DetectionLimit& effect, bool with_boresight
 Json DetectionLimitsJson(const std::vector<DetectionLimit>& effects) {
   Json list = Json::array();
   for (const DetectionLimit& effect : effects) {
-    const Eigen::Vector3d damage_mdeg = internal::kMdegPerRad * effect.boresight_shift_rad;
+    const Eigen::Vector3d damage_mdeg =
+        diagnosis_internal::kMdegPerRad * effect.boresight_shift_rad;
     list.push_back({{"effect", effect.effect},
                     {"minimal_detectable", Number(effect.minimal_detectable)},
                     {"detectable_by_component", List(effect.detectable_by_component)},
@@ -51,7 +53,7 @@ std::string DetectionLimitsSummary(const std::vector<DetectionLimit>& effects,
   std::vector<std::string> of_any_size;
   std::string bounded;
   std::size_t told = 0;
-  for (const DetectionLimit& effect : internal::MostHarmful(effects)) {
+  for (const DetectionLimit& effect : diagnosis_internal::MostHarmful(effects)) {
     if (!std::isfinite(effect.minimal_detectable)) {
       of_any_size.push_back(effect.effect);
     } else if (told++ < kMaxLimitsListed) {

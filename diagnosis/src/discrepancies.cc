@@ -12,7 +12,7 @@
 #include <memory>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -180,4 +180,4 @@ Hypothesis GnssByCosine(const Cosines& cosines) {
                                   [cosines](double t_s, VectorXd* w) { *w = cosines.At(t_s); });
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -11,7 +11,7 @@
 #include "lidar_effects.h"
 #include "time_cells.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 // These discrepancies are not effects of the table: they are tested to find unnamed causes, and are
 // never corrected.
@@ -66,4 +66,4 @@ Hypothesis GnssByCell(const TimeCells& cells);
 /// cosine.
 Hypothesis GnssByCosine(const Cosines& cosines);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kLeastP = 1e-12;
@@ -136,4 +136,4 @@ std::vector<DetectionLimit> MostHarmful(std::vector<DetectionLimit> effects) {
   return effects;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

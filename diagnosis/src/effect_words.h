@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 inline constexpr double kMmPerM = 1e3;
 inline constexpr double kMdegPerRad = 1e3 * kDegPerRad;
@@ -48,4 +48,4 @@ std::string DetectableWords(const DetectionLimit& effect);
 /// before all others.
 std::vector<DetectionLimit> MostHarmful(std::vector<DetectionLimit> effects);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 double TestFamily::FamilyWise(double p_value) const { return std::min(1.0, p_value * tests); }
 
@@ -36,4 +36,4 @@ Eigen::VectorXd ComponentSigmas(const ScoreTest& test) {
   return test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

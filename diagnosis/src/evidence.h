@@ -7,7 +7,7 @@
 
 #include "hypothesis.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Family-wise significance level, for all tests of one flight, of a doubt about the model.
 inline constexpr double kFamilyLevel = 1e-3;
@@ -46,4 +46,4 @@ Eigen::VectorXd ShrunkEstimate(Eigen::MatrixXd A, const Eigen::VectorXd& s,
 /// Returns the standard deviations of the components of a test.
 Eigen::VectorXd ComponentSigmas(const ScoreTest& test);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // An outlier is isolated. An effect of the flight or the receiver also changes the neighbouring
@@ -87,4 +87,4 @@ EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& 
   return out;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

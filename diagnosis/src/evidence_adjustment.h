@@ -3,7 +3,7 @@
 #include <dn/adjustment/adjust.h>
 #include <dn/files/flight.h>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// An adjustment that keeps all data that may show an effect. It is a least-squares fit of all GNSS
 /// epochs except isolated outliers, and all pairs except those that cannot be noise.
@@ -15,4 +15,4 @@ struct EvidenceAdjustment {
 /// Adjusts a flight this way. Ignores `options.stages`. Throws as Adjust.
 EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -45,7 +45,7 @@ std::optional<PriorCheck> CheckStatedPrior(const GaussHelmertCalibration& calibr
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(pair_normal);
   if (!lu.isInvertible()) return std::nullopt;
   const Eigen::Vector3d predicted_rad =
-      lu.solve(calibration.adjustment.normal * internal::DeviationFromPrior(calibration));
+      lu.solve(calibration.adjustment.normal * diagnosis_internal::DeviationFromPrior(calibration));
   const Eigen::Matrix3d covariance = Eigen::Matrix3d(P.inverse()) + Eigen::Matrix3d(lu.inverse()) +
                                      calibration.boresight.covariance_rad2;
   PriorCheck prior;
@@ -68,8 +68,8 @@ ModelCheck CheckAndAssess(const Flight& flight, Calibration* calibration) {
 }  // namespace
 
 ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calibration) {
-  const internal::GaussHelmertEffects found =
-      internal::FindEffects(flight, FindStrips(flight), calibration);
+  const diagnosis_internal::GaussHelmertEffects found =
+      diagnosis_internal::FindEffects(flight, FindStrips(flight), calibration);
   ModelCheck check;
   check.of_boresight = true;
   check.groups.push_back(MakeGroupCheck("lidar p2p", 3 * calibration.figures.correspondences,
@@ -81,7 +81,7 @@ ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calib
   check.sigma0_with_effects =
       calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);
   check.p_value = check.SmallestPValue();
-  internal::AddFindings(flight, calibration, &check);
+  diagnosis_internal::AddFindings(flight, calibration, &check);
   return check;
 }
 
@@ -93,7 +93,7 @@ ModelCheck CheckModel(const Flight& flight, const PlaneCalibration& calibration)
                                         calibration.figures, scatter));
   check.sigma0_with_effects = calibration.figures.sigma0 / std::sqrt(scatter.expected_ratio);
   check.p_value = check.SmallestPValue();
-  internal::AddFindings(flight, calibration, &check);
+  diagnosis_internal::AddFindings(flight, calibration, &check);
   return check;
 }
 

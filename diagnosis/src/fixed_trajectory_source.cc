@@ -19,7 +19,7 @@
 #include "shrinkage.h"
 #include "unavailable.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr std::size_t kFewestPairsOfFlight = 100;
@@ -328,4 +328,4 @@ Eigen::Vector3d FixedTrajectorySource::Boresight(const ExtendedFit& fit) const {
       Eigen::Quaterniond(Exp(Eigen::Vector3d(-move)) * Exp(calibration_.boresight.angles_rad)));
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -14,7 +14,7 @@
 #include "pair_fit.h"
 #include "pair_library.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// The misclosures of the pairs of a flight on its given trajectory, with time-correlated errors of
 /// the trajectory in the model. Tests effects of the lidar and its mount; the trajectory absorbs
@@ -75,4 +75,4 @@ class FixedTrajectorySource : public GapSource {
   PairFitter fitter_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Vector2d;
@@ -133,4 +133,4 @@ std::vector<FoldFactor> FindFoldFactors(const Fold& fold, const FlightNetwork& n
   return factors;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

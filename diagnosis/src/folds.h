@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Data of a flight that are held out together and predicted from all other data.
 struct Fold {
@@ -35,4 +35,4 @@ struct FoldFactor {
 /// them in the same order. A measurement that the network lacks has the id -1.
 std::vector<FoldFactor> FindFoldFactors(const Fold& fold, const FlightNetwork& network);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 
 #include "decision.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 ForwardSelection::ForwardSelection(SelectionPolicy policy, Refit refit,
                                    std::unique_ptr<ExtendedFit> base)
     : policy_(std::move(policy)), refit_(std::move(refit)) {
@@ -141,4 +141,4 @@ void ForwardSelection::Replace(const std::vector<HypothesisEvidence>& chosen) {
   confirmed_.clear();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -10,7 +10,7 @@
 
 #include "hypothesis_evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A fit of the data with some effects in the model, and the evidence of all others. Sources of
 /// residuals add what they need to use the fit.
@@ -91,4 +91,4 @@ class ForwardSelection {
   bool revised_ = false;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

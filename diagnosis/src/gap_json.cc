@@ -7,11 +7,11 @@
 namespace dn {
 namespace {
 
+using diagnosis_internal::kMdegPerRad;
+using diagnosis_internal::List;
+using diagnosis_internal::Number;
+using diagnosis_internal::Scaled;
 using Eigen::Vector3d;
-using internal::kMdegPerRad;
-using internal::List;
-using internal::Number;
-using internal::Scaled;
 
 Json Pair(double low, double high) { return Json::array({Number(low), Number(high)}); }
 
@@ -27,8 +27,8 @@ Json GapPart(const GapDiagnosis& d) {
         {"null_interval_95", Pair(d.size.null_low, d.size.null_high)},
         {"upper_limit_95", Number(d.size.upper_limit_95)}}},
       {"user_units",
-       {{"p2p_excess_mm", Scaled(units.p2p_excess_m, internal::kMmPerM)},
-        {"gnss_excess_mm", Scaled(units.gnss_excess_m, internal::kMmPerM)},
+       {{"p2p_excess_mm", Scaled(units.p2p_excess_m, diagnosis_internal::kMmPerM)},
+        {"gnss_excess_mm", Scaled(units.gnss_excess_m, diagnosis_internal::kMmPerM)},
         {"boresight_inconsistency_mdeg", Scaled(units.boresight_inconsistency_rad, kMdegPerRad)},
         {"gh_minus_dn_mdeg", Scaled(units.gh_minus_dn_rad, kMdegPerRad)}}}};
 }
@@ -105,10 +105,10 @@ Json Shrinkage(const std::optional<GapShrinkage>& shrinkage) {
           {"size_after", Number(after.size_nats_per_obs)},
           {"held_out_gain_nats", Number(shrinkage->held_out_gain_nats)},
           {"reachable_left_nats", Number(shrinkage->reachable_left_nats)},
-          {"p2p_mm_before", Scaled(before.p2p_m, internal::kMmPerM)},
-          {"p2p_mm_after", Scaled(after.p2p_m, internal::kMmPerM)},
-          {"gnss_mm_before", Scaled(before.gnss_m, internal::kMmPerM)},
-          {"gnss_mm_after", Scaled(after.gnss_m, internal::kMmPerM)},
+          {"p2p_mm_before", Scaled(before.p2p_m, diagnosis_internal::kMmPerM)},
+          {"p2p_mm_after", Scaled(after.p2p_m, diagnosis_internal::kMmPerM)},
+          {"gnss_mm_before", Scaled(before.gnss_m, diagnosis_internal::kMmPerM)},
+          {"gnss_mm_after", Scaled(after.gnss_m, diagnosis_internal::kMmPerM)},
           {"boresight_before_deg", Scaled(before.boresight_rad, kDegPerRad)},
           {"boresight_after_deg", Scaled(after.boresight_rad, kDegPerRad)},
           {"boresight_sigma_before_deg", Scaled(before.boresight_sigma_rad, kDegPerRad)},

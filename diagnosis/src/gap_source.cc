@@ -2,7 +2,7 @@
 
 #include "decision.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 void FillFingerprint(const Comparison& comparison, std::size_t most, GapDiagnosis* diagnosis) {
   const ReplicateTest& test = comparison.test;
@@ -27,4 +27,4 @@ void AppendPlaces(const Comparison& comparison, double alpha, GapDiagnosis* diag
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -14,7 +14,7 @@
 #include "hypothesis_evidence.h"
 #include "replicates.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A flight compared with its linear replicates.
 struct Comparison {
@@ -94,4 +94,4 @@ void FillFingerprint(const Comparison& comparison, std::size_t most, GapDiagnosi
 /// Appends the places where a flight differs significantly from its replicates.
 void AppendPlaces(const Comparison& comparison, double alpha, GapDiagnosis* diagnosis);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -19,7 +19,7 @@ constexpr double kLeastPosterior = 0.05;
 std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
 
 std::string Mm(const std::optional<double>& m) {
-  return m ? fmt::format("{:.1f}", internal::kMmPerM * *m) : "-";
+  return m ? fmt::format("{:.1f}", diagnosis_internal::kMmPerM * *m) : "-";
 }
 
 std::string SizeLines(const GapDiagnosis& d) {
@@ -27,18 +27,20 @@ std::string SizeLines(const GapDiagnosis& d) {
   std::string text = fmt::format(
       "gap       {}, {} ({} replicates); {:.3g} nats per observation, {:.3g} .. {:.3g} without a "
       "gap,\n          at most {:.3g}\n",
-      d.detected ? "yes" : "none found", internal::PWords(d.p_value), d.validity.replicates,
-      d.size.value, d.size.null_low, d.size.null_high, d.size.upper_limit_95);
+      d.detected ? "yes" : "none found", diagnosis_internal::PWords(d.p_value),
+      d.validity.replicates, d.size.value, d.size.null_low, d.size.null_high,
+      d.size.upper_limit_95);
   const GapUserUnits& units = d.user_units;
   std::vector<std::string> parts;
   if (units.p2p_excess_m) parts.push_back(fmt::format("pairs {} mm", Mm(units.p2p_excess_m)));
   if (units.gnss_excess_m) parts.push_back(fmt::format("GNSS {} mm", Mm(units.gnss_excess_m)));
   if (units.boresight_inconsistency_rad) {
-    parts.push_back(fmt::format("boresight between strip pairs {:.2g} mdeg",
-                                internal::kMdegPerRad * *units.boresight_inconsistency_rad));
+    parts.push_back(
+        fmt::format("boresight between strip pairs {:.2g} mdeg",
+                    diagnosis_internal::kMdegPerRad * *units.boresight_inconsistency_rad));
   }
   if (units.gh_minus_dn_rad) {
-    parts.push_back("gh - dn " + internal::MdegWords(*units.gh_minus_dn_rad));
+    parts.push_back("gh - dn " + diagnosis_internal::MdegWords(*units.gh_minus_dn_rad));
   }
   if (!parts.empty()) text += fmt::format("          beyond noise: {}\n", fmt::join(parts, ", "));
   return text;
@@ -50,16 +52,16 @@ std::string PlaceLines(const GapDiagnosis& d) {
     const GapLocation& place = d.where[i];
     text += fmt::format("{:<10}{} {}, {}: {:.3g} ({})\n", i == 0 ? "where" : "", place.sensor,
                         place.quantity, place.location, place.statistic,
-                        internal::PWords(place.p_adjusted));
+                        diagnosis_internal::PWords(place.p_adjusted));
   }
   return text;
 }
 
 /// Returns the shifts of roll, pitch and yaw, mdeg.
 std::string Moves(const GapDiagnosis& d, const GapCause& cause) {
-  if (!internal::HasBoresight(d)) return "";
+  if (!diagnosis_internal::HasBoresight(d)) return "";
   if (cause.boresight_shift_rad.isZero(0.0)) return "-";
-  const std::string words = internal::MdegWords(cause.boresight_shift_rad);
+  const std::string words = diagnosis_internal::MdegWords(cause.boresight_shift_rad);
   return words.substr(0, words.rfind(' '));
 }
 
@@ -81,22 +83,24 @@ std::string DiscrepancyLines(const GapDiagnosis& d) {
   std::string text;
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior < kLeastPosterior) continue;
-    text += fmt::format("          {:<28}{:>6.2f}{}  unmodelled\n", internal::DiscrepancyWords(one),
-                        one.posterior, Nats(one.log_evidence));
+    text += fmt::format("          {:<28}{:>6.2f}{}  unmodelled\n",
+                        diagnosis_internal::DiscrepancyWords(one), one.posterior,
+                        Nats(one.log_evidence));
   }
   return text;
 }
 
 std::string CauseLines(const GapDiagnosis& d) {
   if (d.causes.empty()) return "";
-  const bool moves = internal::HasBoresight(d);
+  const bool moves = diagnosis_internal::HasBoresight(d);
   std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<22} {}\n", "causes", "", "prob.",
                                  "nats", moves ? "shift [mdeg]" : "", "size");
   for (std::size_t i = 0; i < std::min(kMaxCausesListed, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
     text += fmt::format("        {} {:<28}{:>6.2f}{}  {:<22} {}{}\n", Mark(d.verdict, cause.effect),
                         cause.effect, cause.posterior, Nats(cause.log_evidence), Moves(d, cause),
-                        internal::ValueWords(cause), internal::TimesWords(cause.times));
+                        diagnosis_internal::ValueWords(cause),
+                        diagnosis_internal::TimesWords(cause.times));
   }
   return text + DiscrepancyLines(d) + "          * in the verdict, ? equally possible" +
          (moves ? "; shift of roll, pitch, yaw if not modelled\n" : "\n");
@@ -118,7 +122,7 @@ std::string StateLine(const char* name, const GapState& state) {
 
 std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
   if (!shrinkage) return "";
-  std::string text = "closed    " + internal::ClosedWords(*shrinkage);
+  std::string text = "closed    " + diagnosis_internal::ClosedWords(*shrinkage);
   if (shrinkage->share_of_reachable) {
     text += fmt::format(", {:.0f} % of the reachable gain", 100.0 * *shrinkage->share_of_reachable);
   }
@@ -134,13 +138,13 @@ std::string ValidityLines(const GapValidity& validity) {
   std::string text = "no replicates";
   if (validity.replicates > 0) {
     text = fmt::format("{} linear replicates (against each other {})", validity.replicates,
-                       internal::PWords(validity.aa_p_value));
+                       diagnosis_internal::PWords(validity.aa_p_value));
   }
   if (validity.simulated_replicates > 0)
     text += fmt::format(", {} simulated replicates", validity.simulated_replicates);
   if (validity.full_against_linear_p) {
     text += fmt::format(" (against the linear ones {})",
-                        internal::PWords(*validity.full_against_linear_p));
+                        diagnosis_internal::PWords(*validity.full_against_linear_p));
   }
   if (validity.like_replicates_p) {
     text += fmt::format("; flight among replicates with the effects: p = {}",
@@ -157,11 +161,12 @@ std::string GapSummary(const GapDiagnosis& diagnosis) {
       fmt::format("flight {}: {}\n  ", diagnosis.flight, Word(diagnosis.verdict.kind)) +
       WrapText(diagnosis.verdict.text, "  ");
   if (diagnosis.verdict.kind == GapVerdictKind::kUnavailable)
-    return head +
-           DetectionLimitsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis));
+    return head + DetectionLimitsSummary(diagnosis.could_still_hide,
+                                         diagnosis_internal::HasBoresight(diagnosis));
   return head + SizeLines(diagnosis) + PlaceLines(diagnosis) + CauseLines(diagnosis) +
          ShrinkageLines(diagnosis.shrinkage) +
-         DetectionLimitsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis)) +
+         DetectionLimitsSummary(diagnosis.could_still_hide,
+                                diagnosis_internal::HasBoresight(diagnosis)) +
          ValidityLines(diagnosis.validity);
 }
 

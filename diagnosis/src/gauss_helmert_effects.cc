@@ -14,7 +14,7 @@
 #include "score_selection.h"
 #include "time_correlated_errors.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -131,4 +131,4 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
   return out;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Effects and unmodelled discrepancies that the pairs of a Gauss-Helmert calibration show.
 struct GaussHelmertEffects {
@@ -27,4 +27,4 @@ struct GaussHelmertEffects {
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

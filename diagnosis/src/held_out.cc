@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr std::size_t kMostFurther = 3;
@@ -176,4 +176,4 @@ HeldOutGains MeasureHeldOut(const NetworkFit& without, const NetworkFit& with,
   return SumFolds(of_folds, with.chosen.size());
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include "folds.h"
 #include "network_fit.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Gains in the prediction of all folds, each predicted from the data outside it.
 struct HeldOutGains {
@@ -67,4 +67,4 @@ class FoldDensity {
   std::optional<Eigen::VectorXd> of_all_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 /// Returns the rows of X that belong to a hypothesis.
@@ -117,4 +117,4 @@ Eigen::MatrixXd SelectShift(const Hypothesis& hypothesis, const JointScore& scor
   return SelectRows(hypothesis, score, score.shift.transpose()).transpose();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A range of cells of a block, which share one value (sum of their columns) or have one value
 /// each.
@@ -85,4 +85,4 @@ Eigen::MatrixXd SelectShift(const Hypothesis& hypothesis, const JointScore& scor
 Eigen::MatrixXd SelectInformation(const Hypothesis& a, const Hypothesis& b,
                                   const JointScore& score);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 void SortByEvidence(std::vector<HypothesisEvidence>* effects) {
   std::stable_sort(effects->begin(), effects->end(),
@@ -77,4 +77,4 @@ std::vector<GapCause> ToCauses(const std::vector<HypothesisEvidence>& effects) {
   return causes;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 
 #include "hypothesis.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A hypothesis with its evidence. Of several hypotheses with one name, it is the one whose window,
 /// start and time constant explain the data best. SI.
@@ -49,4 +49,4 @@ GapCause ToCause(const HypothesisEvidence& effect);
 /// Converts several effects to the units of the table.
 std::vector<GapCause> ToCauses(const std::vector<HypothesisEvidence>& effects);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

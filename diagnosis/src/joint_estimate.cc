@@ -2,7 +2,7 @@
 
 #include "evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 bool IsFixed(const HypothesisEvidence& effect) {
@@ -56,4 +56,4 @@ void TakeJointEstimates(const ScoreTest& test, std::vector<HypothesisEvidence>* 
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -7,7 +7,7 @@
 
 #include "hypothesis_evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Columns that combine the components of a joint score into those of several fixed effects, one
 /// effect after another.
@@ -29,4 +29,4 @@ JointScore WithUnknowns(const JointScore& score, const JointColumns& columns);
 /// Sets estimate and sigma of the fixed effects in a list to those of their joint test.
 void TakeJointEstimates(const ScoreTest& test, std::vector<HypothesisEvidence>* effects);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Converts a number; non-finite values become null.
 inline Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -28,4 +28,4 @@ inline Json Scaled(const std::optional<Eigen::Vector3d>& value, double factor) {
   return value ? List(Eigen::Vector3d(factor * *value)) : Json();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -10,7 +10,7 @@
 #include "discrepancies.h"
 #include "network_hypotheses.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kShortestPeriodS = 30.0;
@@ -267,4 +267,4 @@ void AddSettling(const Hypothesis& settling, EffectModel columns, const std::vec
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

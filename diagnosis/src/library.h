@@ -10,7 +10,7 @@
 #include "hypothesis.h"
 #include "time_cells.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// The effects to be tested.
 struct LibraryOptions {
@@ -36,4 +36,4 @@ void AddBoresightTimes(Hypothesis by_cell, EffectModel columns, const TimeCells&
 void AddSettling(const Hypothesis& settling, EffectModel columns, const std::vector<double>& taus_s,
                  Library* library);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -51,4 +51,4 @@ Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>&
   return library;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

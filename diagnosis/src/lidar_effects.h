@@ -8,7 +8,7 @@
 
 #include "hypothesis.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Derivatives of a pair's residual at one end, from which the models of effects are composed.
 struct PairEnd {
@@ -32,4 +32,4 @@ EffectModel MakePairColumns(const Hypothesis& hypothesis, const std::vector<Pair
 /// network, because an adjustment of these pairs alone does not estimate them.
 Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>& pairs);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

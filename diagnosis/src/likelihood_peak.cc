@@ -7,7 +7,7 @@
 #include <iterator>
 #include <map>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kMostSteps = 15;
@@ -132,4 +132,4 @@ std::optional<LikelihoodPeak> FindPeak(const SizeLikelihoods& likelihood,
   return PeakSearch(likelihood, low, high).Run(first);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

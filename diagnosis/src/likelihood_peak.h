@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Function that returns the log likelihoods of several sizes, given by their logarithms.
 using SizeLikelihoods = std::function<std::vector<double>(const std::vector<double>&)>;
@@ -30,4 +30,4 @@ struct LikelihoodPeak {
 std::optional<LikelihoodPeak> FindPeak(const SizeLikelihoods& likelihood,
                                        const std::vector<double>& first, double low, double high);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

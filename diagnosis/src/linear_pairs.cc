@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -153,4 +153,4 @@ LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& 
   return Lineariser(flight, calibration).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

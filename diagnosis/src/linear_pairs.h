@@ -9,7 +9,7 @@
 #include "lidar_effects.h"
 #include "time_correlated_errors.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// The pairs kept by a Gauss-Helmert adjustment, linearised at its result and whitened.
 struct LinearPairs {
@@ -39,4 +39,4 @@ Eigen::Vector3d DeviationFromPrior(const GaussHelmertCalibration& calibration);
 /// of `calibration` must be set.
 LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& calibration);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

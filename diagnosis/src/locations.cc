@@ -13,7 +13,7 @@
 
 #include "time_cells.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // Smallest redundancy number of a residual that is used.
@@ -265,4 +265,4 @@ double Locations::Rms(const Terms& terms, const Eigen::VectorXd& r) const {
 double Locations::PairRms(const Eigen::VectorXd& r) const { return Rms(pair_errors_m_, r); }
 double Locations::GnssRms(const Eigen::VectorXd& r) const { return Rms(gnss_errors_m_, r); }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A statistic of the residuals of one channel and axis at one place. A place is a time, a
 /// frequency band, a pair of strips, or a range of scan angles or ranges.
@@ -70,4 +70,4 @@ class Locations {
   Terms pair_errors_m_, gnss_errors_m_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 Eigen::Vector3d MedianGnssSigma(const Flight& flight) {
   const GnssConfig& config = *flight.config.gnss;
@@ -30,4 +30,4 @@ double MedianPairSigma(const Flight& flight) {
                                                          : flight.config.lidar->sigma_p_m;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

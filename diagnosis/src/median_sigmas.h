@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns the median over the epochs of the noise that the estimator assumes for GNSS positions:
 /// east, north, up, m. The flight must have GNSS data.
@@ -14,4 +14,4 @@ Eigen::Vector3d MedianGnssSigma(const Flight& flight);
 /// own, else lidar.sigma_p_m. The flight must have pairs.
 double MedianPairSigma(const Flight& flight);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -23,7 +23,7 @@
 #include "score_selection.h"
 
 namespace dn {
-namespace internal {
+namespace diagnosis_internal {
 namespace {
 
 constexpr int kWatchedNodes = 8;
@@ -296,12 +296,12 @@ class Checker {
 };
 
 }  // namespace
-}  // namespace internal
+}  // namespace diagnosis_internal
 
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads) {
-  ModelCheck check = internal::Checker(adjustment, marginals, trajectory, threads).Run();
-  internal::AddFindings(adjustment, trajectory, &check);
+  ModelCheck check = diagnosis_internal::Checker(adjustment, marginals, trajectory, threads).Run();
+  diagnosis_internal::AddFindings(adjustment, trajectory, &check);
   return check;
 }
 

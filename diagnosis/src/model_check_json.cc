@@ -58,7 +58,7 @@ Json UndetectableJson(const UndetectableEffect& effect, bool has_boresight) {
   return {{"effect", effect.name},
           {"component", effect.component.empty() ? Json(nullptr) : Json(effect.component)},
           {"usual", effect.usual},
-          {"minimal_detectable", internal::Number(effect.minimal_detectable)},
+          {"minimal_detectable", diagnosis_internal::Number(effect.minimal_detectable)},
           {"unit", effect.unit},
           {"boresight_damage_mdeg", ShiftJson(effect.boresight_rad, has_boresight)},
           {"damage_sigmas", effect.max_shift_sigmas}};

@@ -13,7 +13,7 @@
 #include "evidence.h"
 
 namespace dn {
-namespace internal {
+namespace diagnosis_internal {
 namespace {
 
 // The covariance of the boresight does not cover an error above this many of its sigmas.
@@ -215,7 +215,7 @@ void AddFindings(const Flight& flight, const PlaneCalibration& calibration, Mode
   findings.Sort();
 }
 
-}  // namespace internal
+}  // namespace diagnosis_internal
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <dn/adjustment/plane_flight.h>
 #include <dn/diagnosis/model_check.h>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
@@ -13,4 +13,4 @@ void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibratio
                  ModelCheck* check);
 void AddFindings(const Flight& flight, const PlaneCalibration& calibration, ModelCheck* check);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

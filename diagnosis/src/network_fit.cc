@@ -16,7 +16,7 @@
 #include "processes.h"
 #include "variances.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // Fractions of good data above the outlier thresholds.
@@ -153,4 +153,4 @@ void NetworkFitter::EvaluateProcesses(NetworkFit* fit) const {
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

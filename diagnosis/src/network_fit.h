@@ -11,7 +11,7 @@
 #include "hypothesis_evidence.h"
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A flight adjusted with some effects in the estimator.
 struct NetworkFit : ExtendedFit {
@@ -46,4 +46,4 @@ class NetworkFitter {
   const GapOptions& options_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

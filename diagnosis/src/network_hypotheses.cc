@@ -14,7 +14,7 @@
 #include "pair_columns.h"
 #include "time_cells.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -319,4 +319,4 @@ Library MakeNetworkHypotheses(const FlightNetwork& network, int threads,
   return NetworkHypotheses(network, threads, discrepancies).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

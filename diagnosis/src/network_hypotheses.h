@@ -6,7 +6,7 @@
 
 #include "hypothesis.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns every effect that the network can be tested for and does not estimate, each with its own
 /// block. These are GNSS effects, inertial effects and, with pairs, lidar effects. For a step of
@@ -17,4 +17,4 @@ namespace dn::internal {
 Library MakeNetworkHypotheses(const FlightNetwork& network, int threads = 1,
                               const std::vector<Hypothesis>& discrepancies = {});
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

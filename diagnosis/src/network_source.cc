@@ -14,7 +14,7 @@
 #include "refine_times.h"
 #include "shrinkage.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // number of tiles, and of outages
@@ -210,4 +210,4 @@ Eigen::Vector3d NetworkSource::Boresight(const ExtendedFit& fit) const {
                               : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

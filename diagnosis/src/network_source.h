@@ -10,7 +10,7 @@
 #include "gap_source.h"
 #include "network_fit.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Compares the residuals of a network with linear replicates of them.
 Comparison CompareNetwork(const NetworkFit& fit, const ReplicateOptions& options);
@@ -48,4 +48,4 @@ class NetworkSource : public GapSource {
   NetworkFitter fitter_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // Possible fractions of outliers, uniform in their logarithm, and the fraction of outliers that a
@@ -63,4 +63,4 @@ double ShortOutlierVariance(double share, double size_m, double sigma_m, double 
   return share * longest / size * longest * longest / 9.0;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 
 #include "hypothesis_evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns the effect of outliers if `found` of `of_all` measurements were rejected, and good data
 /// lose the fraction `usual`. The log evidence follows from the Poisson distribution, averaged over
@@ -24,4 +24,4 @@ HypothesisEvidence OutlierEffect(EffectId id, long found, long of_all, double us
 ///   share * c / size * c^2 / 3 / 3 / sigma^2.
 double ShortOutlierVariance(double share, double size_m, double sigma_m, double norm);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

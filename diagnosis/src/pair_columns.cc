@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Matrix3Xd;
@@ -95,4 +95,4 @@ std::vector<Matrix3Xd> PairColumns(const FlightNetwork& network,
   return Columns(network, calibration, means, whole, threads).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

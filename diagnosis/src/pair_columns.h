@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns the derivatives of the pair residuals by the effects of a calibration as columns, in the
 /// order of PairEffectIndices.
@@ -18,4 +18,4 @@ std::vector<Eigen::Matrix3Xd> PairColumns(const FlightNetwork& network,
                                           const CalibrationState& calibration, const ImuData& means,
                                           const std::vector<Eigen::Matrix3Xd>& whole, int threads);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

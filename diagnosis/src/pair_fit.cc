@@ -11,7 +11,7 @@
 #include "climb_grid.h"
 #include "joint_estimate.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -204,4 +204,4 @@ const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const Octaves& oct
   return known_.emplace(key, errors_.At(MakeScale(octaves, white))).first->second;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -13,7 +13,7 @@
 #include "screen.h"
 #include "time_correlated_errors.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Pairs on a fixed trajectory with some effects among the unknowns.
 struct PairFit : ExtendedFit {
@@ -69,4 +69,4 @@ class PairFitter {
   std::map<std::pair<Octaves, double>, TimeCorrelatedErrorModel::ScaleSolution> known_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

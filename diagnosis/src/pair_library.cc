@@ -11,7 +11,7 @@
 
 #include "discrepancies.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kScanAnglePlaces = 8;
@@ -123,4 +123,4 @@ PairLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
   return PairLibraryMaker(flight, pairs, strips, options).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -9,7 +9,7 @@
 #include "library.h"
 #include "linear_pairs.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A place where misclosures may have a constant offset (map axes).
 struct PairPlace {
@@ -28,4 +28,4 @@ struct PairLibrary {
 PairLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
                         const std::vector<StripInterval>& strips, const LibraryOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

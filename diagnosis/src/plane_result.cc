@@ -27,11 +27,11 @@ Json PlanesJson(const PlaneCalibration& calibration, const std::vector<std::stri
 Json CalibrationJson(const std::string& flight, const PlaneCalibration& calibration,
                      const ModelCheck& check, const std::vector<std::string>& strips,
                      const RunTimings& timings) {
-  Json json = internal::FixedTrajectoryJson(
+  Json json = diagnosis_internal::FixedTrajectoryJson(
       flight, "planes", calibration, check,
       {{"planes", PlanesJson(calibration, strips)}, {"strip_pairs", nullptr}}, timings);
   if (!calibration.unknowns.empty()) {
-    json["estimates"] = internal::UnknownsJson(calibration.unknowns);
+    json["estimates"] = diagnosis_internal::UnknownsJson(calibration.unknowns);
   }
   return json;
 }

@@ -20,7 +20,7 @@
 #include "likelihood_peak.h"
 #include "time_constant.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
@@ -207,4 +207,4 @@ void RefineProcess(const FlightNetwork& solved, int threads, HypothesisEvidence*
   Take(*likeliest, effect);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

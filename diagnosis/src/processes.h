@@ -4,7 +4,7 @@
 
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Evaluates a process as states of the network, at several time constants. The evidence is the
 /// restricted likelihood of its sigma, which is exact, while the screen truncates the series of
@@ -17,4 +17,4 @@ void EvaluateProcess(const FlightNetwork& solved, int threads, HypothesisEvidenc
 /// NaN if there is no maximum nearby.
 void RefineProcess(const FlightNetwork& solved, int threads, HypothesisEvidence* effect);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

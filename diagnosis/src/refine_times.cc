@@ -12,7 +12,7 @@
 #include "evidence.h"
 #include "network_hypotheses.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kFineCells = 16;  // on either side of an end
@@ -114,4 +114,4 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

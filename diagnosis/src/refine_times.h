@@ -5,7 +5,7 @@
 
 #include "hypothesis_evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Refines the window of a gnss_position_step, or the start of a boresight_step, to a fraction of
 /// the screen's cells. Updates times, estimate, sigma and the shift of the boresight. Leaves any
@@ -13,4 +13,4 @@ namespace dn::internal {
 void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int threads,
                  HypothesisEvidence* effect);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

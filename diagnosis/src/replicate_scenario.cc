@@ -81,7 +81,7 @@ GnssScenario MakeGnss(const Flight& flight) {
     step_s.push_back(epochs[i].t_s - epochs[i - 1].t_s);
   }
   if (!step_s.empty()) gnss.rate_hz = RoundedRate(Median(step_s));
-  gnss.sigma_enu_m = internal::MedianGnssSigma(flight);
+  gnss.sigma_enu_m = diagnosis_internal::MedianGnssSigma(flight);
   gnss.lever_arm_b_m = config.lever_arm_b_m;
   gnss.velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
     return UsesVelocity(epoch, config);
@@ -97,7 +97,7 @@ void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d
   scenario->lidar = EstimateScanner(flight, mounting);
   scenario->terrain = EstimateGround(flight, trajectory, mounting, scenario->plan.strips);
   scenario->pairs.count = static_cast<long>(flight.pairs->pairs.size());
-  scenario->pairs.sigma_p_m = internal::MedianPairSigma(flight);
+  scenario->pairs.sigma_p_m = diagnosis_internal::MedianPairSigma(flight);
 }
 
 /// Adds flat ground below the path, for a scenario without pairs.

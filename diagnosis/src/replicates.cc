@@ -11,7 +11,7 @@
 #include <limits>
 #include <numeric>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kBatch = 16;
@@ -219,4 +219,4 @@ double TestReplicateConsistency(const ReplicateSet& replicates) {
   return UniformityPValue(std::move(p_values), static_cast<double>(third));
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

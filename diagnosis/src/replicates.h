@@ -11,7 +11,7 @@
 #include "locations.h"
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Weight of the identity in the shrunk correlation matrix of the replicates.
 inline constexpr double kShrunk = 0.1;
@@ -75,4 +75,4 @@ ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const Replica
 /// their number counts as that of a second sample.
 double TestReplicateConsistency(const ReplicateSet& replicates);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

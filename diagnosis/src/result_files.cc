@@ -12,10 +12,10 @@
 
 namespace dn {
 
-using internal::AssessmentJson;
-using internal::BoresightJson;
-using internal::TimingJson;
-using internal::UnknownsJson;
+using diagnosis_internal::AssessmentJson;
+using diagnosis_internal::BoresightJson;
+using diagnosis_internal::TimingJson;
+using diagnosis_internal::UnknownsJson;
 
 namespace {
 
@@ -46,7 +46,7 @@ void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vecto
 
 }  // namespace
 
-namespace internal {
+namespace diagnosis_internal {
 
 Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
   Json json = Json::object();
@@ -79,7 +79,7 @@ Json AssessmentJson(const BoresightResult& boresight) {
   return {{"verdict", Word(boresight.verdict)}, {"reasons", Words(boresight.reasons)}};
 }
 
-}  // namespace internal
+}  // namespace diagnosis_internal
 
 Json AdjustmentJson(const AdjustmentFigures& figures) {
   return {{"sigma0", figures.sigma0},
@@ -126,8 +126,8 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
                      const ModelCheck& check, const std::vector<PairResidual>& pairs,
                      const RunTimings& timings) {
-  return internal::FixedTrajectoryJson(flight, "gh", calibration, check,
-                                       {{"strip_pairs", StripPairsJson(pairs)}}, timings);
+  return diagnosis_internal::FixedTrajectoryJson(flight, "gh", calibration, check,
+                                                 {{"strip_pairs", StripPairsJson(pairs)}}, timings);
 }
 
 Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration) {

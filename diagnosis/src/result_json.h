@@ -7,7 +7,7 @@
 
 #include "model_check_json.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// These functions return the sections of result.json that all methods have.
 Json BoresightJson(const BoresightResult& boresight);
@@ -39,4 +39,4 @@ Json FixedTrajectoryJson(const std::string& flight, const char* method,
   return json;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -11,7 +11,7 @@
 #include "forward_selection.h"
 #include "joint_estimate.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 /// The scores of a library with the chosen effects among the unknowns.
@@ -169,4 +169,4 @@ std::vector<DiscrepancyCheck> CheckDiscrepancies(const Library& library, const J
   return checks;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -10,7 +10,7 @@
 #include "hypothesis.h"
 #include "hypothesis_evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Effects that are selected forward by their scores, without solving again.
 struct ScoreSelection {
@@ -32,4 +32,4 @@ ScoreSelection SelectByScores(const Library& library, const JointScore& score,
 std::vector<DiscrepancyCheck> CheckDiscrepancies(const Library& library, const JointScore& left,
                                                  double excess, const TestFamily& family);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

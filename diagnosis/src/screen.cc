@@ -11,7 +11,7 @@
 
 #include "evidence.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 std::vector<BlockId> Watched(const FlightNetwork& network, const LinearizedNetwork& linearized) {
@@ -148,4 +148,4 @@ void Screen::EstimateProcess(const SizeAveragedEvidence& form, HypothesisEvidenc
   effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -13,7 +13,7 @@
 #include "hypothesis_evidence.h"
 #include "library.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Candidates with the same name.
 struct EffectFamily {
@@ -61,4 +61,4 @@ class Screen {
   std::vector<EffectFamily> families_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 Eigen::MatrixXd SemidefiniteRoot(const Eigen::MatrixXd& C, const Eigen::VectorXd& rounding) {
   const Eigen::Index n = C.rows();
@@ -19,4 +19,4 @@ Eigen::MatrixXd SemidefiniteRoot(const Eigen::MatrixXd& C, const Eigen::VectorXd
   return L;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // A gap is visible in the omnibus statistic below this p-value.
@@ -43,4 +43,4 @@ GapShrinkage OmnibusShrinkage(const GapEvidence& before, const GapEvidence& afte
   return MakeShrinkage(excess, left, std::move(deviations));
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

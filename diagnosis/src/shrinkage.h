@@ -6,7 +6,7 @@
 
 #include "replicates.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns 1 - left / excess for the excess of a statistic before and the rest after the effects
 /// are in the model. The interval follows from the deviations of the statistic of replicates, with
@@ -24,4 +24,4 @@ struct GapEvidence {
 /// statistic, a chi-square, minus its mean over replicates, plus twice the evidence outside them.
 GapShrinkage OmnibusShrinkage(const GapEvidence& before, const GapEvidence& after);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

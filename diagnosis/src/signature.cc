@@ -29,10 +29,10 @@ Signature ComputeSignature(const Flight& with, const Flight& without, const GapO
   Signature signature;
   signature.lambda = 2.0 * std::max(0.0, adjusted.cost - cost_without);
   const Marginals marginals(adjusted.network->net(), {.threads = options.threads});
-  const internal::Screen screen(*adjusted.network, marginals,
-                                {options.effects, options.left_out, options.threads});
+  const diagnosis_internal::Screen screen(*adjusted.network, marginals,
+                                          {options.effects, options.left_out, options.threads});
   double most = 0.0;
-  for (const internal::HypothesisEvidence& effect : screen.EffectsInOrder()) {
+  for (const diagnosis_internal::HypothesisEvidence& effect : screen.EffectsInOrder()) {
     if (!effect.physical() || effect.statistic <= most) continue;
     most = effect.statistic;
     signature.nearest = effect.name;

@@ -14,7 +14,7 @@
 
 #include "evidence_adjustment.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr std::size_t kMinReplicates = 3;
@@ -260,4 +260,4 @@ std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatist
   return out;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -14,7 +14,7 @@
 #include "locations.h"
 #include "replicates.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Statistics of one flight by the name that StatisticName returns.
 using NamedStatistics = std::map<std::string, double>;
@@ -76,4 +76,4 @@ struct MeanAndSigma {
 std::optional<MeanAndSigma> ReplicateMeanAndSigma(const std::vector<NamedStatistics>& replicates,
                                                   const std::string& name);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Measures the durations of consecutive parts of some work.
 class Stopwatch {
@@ -24,4 +24,4 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -21,7 +21,7 @@
 #include "effect_words.h"
 #include "simulated_replicates.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // Noncentrality at which the data favour the right effect by 19 to 1 with probability 0.8. The
@@ -228,4 +228,4 @@ std::string ProposeTieBreaker(const Flight& flight, const Trajectory& estimated,
          " from " + Alternatives(separated);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

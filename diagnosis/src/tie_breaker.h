@@ -10,7 +10,7 @@
 
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// A named effect, and the effects that the flight cannot separate from it.
 struct Tie {
@@ -36,4 +36,4 @@ std::string ProposeTieBreaker(const Flight& flight, const Trajectory& estimated,
                               const Eigen::Vector3d& boresight_rad, const Tie& tie,
                               const GapOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

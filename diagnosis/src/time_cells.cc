@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kShortestGnssCellS = 5.0;
@@ -79,4 +79,4 @@ Eigen::VectorXd Cosines::GaussMarkov(double tau_s) const {
   return sigma;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

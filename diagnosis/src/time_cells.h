@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Consecutive intervals of time; the first and the last are unbounded outwards.
 struct TimeCells {
@@ -44,4 +44,4 @@ struct Cosines {
   Eigen::VectorXd GaussMarkov(double tau_s) const;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kMostTauSteps = 6, kMaxIntervalSteps = 4;
@@ -159,4 +159,4 @@ std::optional<ProcessEstimate> LikeliestProcess(const SizesByTau& sizes, double 
   return peak ? Estimate(steps, *peak) : OpenEstimate(steps, search.last);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -3,7 +3,7 @@
 #include <functional>
 #include <optional>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// The most probable size of a process with one time constant.
 struct LikelySize {
@@ -29,4 +29,4 @@ struct ProcessEstimate {
 /// decreases less. Returns nullopt if the network cannot be built at a time constant of the search.
 std::optional<ProcessEstimate> LikeliestProcess(const SizesByTau& sizes, double tau_s);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

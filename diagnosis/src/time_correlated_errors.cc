@@ -9,7 +9,7 @@
 
 #include "time_cells.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Index;
@@ -211,4 +211,4 @@ double TimeCorrelatedErrorModel::ResidualShare(const VectorXd& effects) const {
   return std::max(0.0, after) / std::max(before, std::numeric_limits<double>::min());
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Linearised, whitened misclosure of a pair:
 ///
@@ -85,4 +85,4 @@ class TimeCorrelatedErrorModel {
   std::vector<Eigen::Index> first_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -8,7 +8,7 @@
 
 #include "library.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 GapResult WithoutVerdict(const Flight& flight, GapDiagnosis diagnosis) {
@@ -64,4 +64,4 @@ std::vector<DetectionLimit> EffectsInTrajectory(const GapOptions& options) {
   return hidden;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

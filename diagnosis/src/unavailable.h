@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Returns a result with the verdict `unavailable`, for the reason `missing`.
 GapResult Unavailable(const Flight& flight, const GapOptions& options, const std::string& missing);
@@ -16,4 +16,4 @@ GapResult WithLimits(const Flight& flight, GapDiagnosis diagnosis);
 /// Returns the effects that a given trajectory contains: they are undetectable at any size.
 std::vector<DetectionLimit> EffectsInTrajectory(const GapOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -17,7 +17,7 @@
 
 #include "likelihood_peak.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 namespace {
 
 // Below this likelihood ratio the quadratic approximation is used.
@@ -237,4 +237,4 @@ VarianceScreen ScreenVariances(const FlightNetwork& network, const Marginals& ma
   return Variances(network, marginals, options).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

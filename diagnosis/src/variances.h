@@ -10,7 +10,7 @@
 #include "library.h"
 #include "screen.h"
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 /// Evidence on the sizes of the stated noise. GNSS and pairs use the restricted likelihood of the
 /// network; inertial sensors use the high band of their raw data. Effects are in SI; their evidence
@@ -27,4 +27,4 @@ struct VarianceScreen {
 VarianceScreen ScreenVariances(const FlightNetwork& network, const Marginals& marginals,
                                const LibraryOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -13,8 +13,8 @@
 namespace dn {
 namespace {
 
-using internal::Alternatives;
-using internal::MdegWords;
+using diagnosis_internal::Alternatives;
+using diagnosis_internal::MdegWords;
 
 /// Returns what a user of the Gauss-Helmert adjustment can do, which estimates only the boresight.
 std::string RemedyOnGivenTrajectory(const GapCause& cause) {
@@ -45,9 +45,10 @@ std::string ShiftText(const GapCause& cause) {
 
 /// Describes one effect: name, size, shift of the boresight, and the key that models it.
 std::string Effect(const GapDiagnosis& d, const GapCause& cause) {
-  const std::string size = internal::ValueWords(cause);
+  const std::string size = diagnosis_internal::ValueWords(cause);
   return fmt::format("{}{}{}{}: {}", cause.effect, size.empty() ? "" : " of " + size,
-                     internal::TimesWords(cause.times), ShiftText(cause), Remedy(d, cause));
+                     diagnosis_internal::TimesWords(cause.times), ShiftText(cause),
+                     Remedy(d, cause));
 }
 
 /// Returns the shift of the boresight by random effects, whose own shifts are not known.
@@ -76,7 +77,8 @@ std::string NamedEffects(const GapDiagnosis& d) {
   std::vector<std::string> each;
   for (const GapCause& cause : VerdictCauses(d)) each.push_back(Effect(d, cause));
   std::string text = fmt::format("the model lacks {}", fmt::join(each, "; and "));
-  if (d.shrinkage) text += "; that closes " + internal::ClosedWords(*d.shrinkage) + Moved(d);
+  if (d.shrinkage)
+    text += "; that closes " + diagnosis_internal::ClosedWords(*d.shrinkage) + Moved(d);
   return text + ImplausibleWords(d);
 }
 
@@ -118,7 +120,7 @@ std::string Place(const GapDiagnosis& d) {
 std::string WithoutName(const GapDiagnosis& d) {
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior > 0.5) {
-      return fmt::format("; the best description is {}", internal::DiscrepancyWords(one));
+      return fmt::format("; the best description is {}", diagnosis_internal::DiscrepancyWords(one));
     }
   }
   return "";
@@ -133,13 +135,13 @@ std::string Unknown(const GapDiagnosis& d) {
   return WithTieBreaker(
       d, fmt::format("the data differ from the assumed model ({}){}, and no effect of the library "
                      "explains it: do not use the boresight before you have checked these data{}",
-                     internal::PWords(d.p_value), Place(d), WithoutName(d)));
+                     diagnosis_internal::PWords(d.p_value), Place(d), WithoutName(d)));
 }
 
 /// Returns the effect with the largest undetected shift of the boresight. On a given trajectory,
 /// only effects that the pairs can show are considered.
 DetectionLimit MostHarmful(const GapDiagnosis& d) {
-  const std::vector<DetectionLimit> worst = internal::MostHarmful(d.could_still_hide);
+  const std::vector<DetectionLimit> worst = diagnosis_internal::MostHarmful(d.could_still_hide);
   const auto at = std::find_if(worst.begin(), worst.end(), [&](const DetectionLimit& effect) {
     return !d.trajectory_given || std::isfinite(effect.minimal_detectable);
   });
@@ -149,7 +151,7 @@ DetectionLimit MostHarmful(const GapDiagnosis& d) {
 std::string NoGap(const GapDiagnosis& d) {
   std::string text = fmt::format(
       "the data agree with the assumed model ({}; the gap is at most {:.2g} nats per observation)",
-      internal::PWords(d.p_value), d.size.upper_limit_95);
+      diagnosis_internal::PWords(d.p_value), d.size.upper_limit_95);
   if (d.could_still_hide.empty()) return text;
   const DetectionLimit worst = MostHarmful(d);
   if (!std::isfinite(worst.minimal_detectable)) {
@@ -161,9 +163,9 @@ std::string NoGap(const GapDiagnosis& d) {
                                            : fmt::format(" and {} others", more - 1);
     return text + fmt::format("; undetectable at any size: {}{}", worst.effect, others);
   }
-  text +=
-      fmt::format("; {} below {} is undetectable", worst.effect, internal::DetectableWords(worst));
-  if (!internal::HasBoresight(d)) return text;
+  text += fmt::format("; {} below {} is undetectable", worst.effect,
+                      diagnosis_internal::DetectableWords(worst));
+  if (!diagnosis_internal::HasBoresight(d)) return text;
   return text + ", and can shift the boresight (roll, pitch, yaw) by up to " +
          MdegWords(worst.boresight_shift_rad.cwiseAbs());
 }
@@ -198,7 +200,7 @@ std::string KindText(const GapDiagnosis& diagnosis) {
 std::string UnexplainedWords(const GapDiagnosis& d) {
   if (!d.verdict.unknown) return "";
   return fmt::format("{} of a gap ({}){}{}", d.verdict.effects.empty() ? "all" : "a part",
-                     internal::PWords(d.p_value), Place(d), WithoutName(d));
+                     diagnosis_internal::PWords(d.p_value), Place(d), WithoutName(d));
 }
 
 std::string VerdictSentence(const GapDiagnosis& diagnosis) {

@@ -16,7 +16,8 @@ constexpr int kFirstEffect = 4;
 
 std::vector<BlockKind> Kinds(const GnssEffects& effects) {
   std::vector<BlockKind> kinds{Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind, Vec<3>::kKind};
-  for (const auto& effect : effects) kinds.push_back(internal::VectorKind(effect->components()));
+  for (const auto& effect : effects)
+    kinds.push_back(factors_internal::VectorKind(effect->components()));
   return kinds;
 }
 

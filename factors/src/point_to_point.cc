@@ -13,7 +13,7 @@ PointToPoint::PointToPoint(const LocalFrame& frame, const PreparedPair& pair)
   if (!std::isfinite(pair.dt_nominal_s)) {
     throw InvalidInput("point pair: the nominal time offset is not finite");
   }
-  internal::CheckPreparedPair(pair);
+  factors_internal::CheckPreparedPair(pair);
   if (pair.i.bridge || pair.j.bridge) {
     throw InvalidInput("point pair: an end with a bridge needs the blocks of the node after it");
   }

@@ -25,7 +25,7 @@ std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
                                Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind};
   kinds.insert(kinds.end(), bridges, Rotation::kKind);
-  const auto add = [&](Eigen::Index size) { kinds.push_back(internal::VectorKind(size)); };
+  const auto add = [&](Eigen::Index size) { kinds.push_back(factors_internal::VectorKind(size)); };
   for (const auto& effect : lidar) add(effect->components());
   for (const ImuEffectValue& one : imu) add(one.value.size());
   for (const GravitationBasis& D : attraction) add(D.cols());
@@ -52,7 +52,7 @@ PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame,
       attraction_(std::move(attraction)),
       R_bs_nominal_(pair.R_bs_nominal),
       W_(pair.noise_m.sqrt_information()) {
-  internal::CheckPreparedPair(pair);
+  factors_internal::CheckPreparedPair(pair);
   if (pair.i.partial.J_effects.cols() != pair.j.partial.J_effects.cols()) {
     throw InvalidInput(
         "point pair: the increments of its two ends have different inertial effects");

@@ -22,8 +22,10 @@ std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
                                Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind};
   kinds.insert(kinds.end(), static_cast<std::size_t>(num_gyro_biases), Vec<3>::kKind);
   kinds.insert(kinds.end(), static_cast<std::size_t>(num_accel_biases), Vec<3>::kKind);
-  for (const ImuEffectValue& one : effects) kinds.push_back(internal::VectorKind(one.value.size()));
-  for (const GravitationBasis& one : attraction) kinds.push_back(internal::VectorKind(one.cols()));
+  for (const ImuEffectValue& one : effects)
+    kinds.push_back(factors_internal::VectorKind(one.value.size()));
+  for (const GravitationBasis& one : attraction)
+    kinds.push_back(factors_internal::VectorKind(one.cols()));
   return kinds;
 }
 

@@ -39,7 +39,7 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
   return J_x_increments * covariance * J_x_increments.transpose();
 }
 
-namespace internal {
+namespace factors_internal {
 
 void CheckPreparedPair(const PreparedPair& pair) {
   CheckMounting(pair.R_bs_nominal);
@@ -47,6 +47,6 @@ void CheckPreparedPair(const PreparedPair& pair) {
   CheckEnd(pair.j);
 }
 
-}  // namespace internal
+}  // namespace factors_internal
 
 }  // namespace dn

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace dn::internal {
+namespace dn::factors_internal {
 
 /// Returns the kind of a vector whose size is known only at run time.
 inline BlockKind VectorKind(Eigen::Index size) {
@@ -12,4 +12,4 @@ inline BlockKind VectorKind(Eigen::Index size) {
   return {Parametrisation::kVector, n, n};
 }
 
-}  // namespace dn::internal
+}  // namespace dn::factors_internal

@@ -8,7 +8,7 @@
 #include "gnss_readers.h"
 
 namespace dn {
-namespace internal {
+namespace gnss_internal {
 namespace {
 
 /// Standard deviations in m or m/s outside this interval must be another quantity.
@@ -83,19 +83,19 @@ Eigen::Matrix3d SignedRootsToCovariance(const Eigen::Vector3d& sigma,
   return D * correlation * D;
 }
 
-}  // namespace internal
+}  // namespace gnss_internal
 
 GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s,
                   const GnssColumns& columns) {
   switch (format) {
     case GnssFormat::kOdyn:
-      return internal::ReadOdynGnss(file, time_offset_s, columns);
+      return gnss_internal::ReadOdynGnss(file, time_offset_s, columns);
     case GnssFormat::kRtklib:
-      return internal::ReadRtklibPos(file, time_offset_s);
+      return gnss_internal::ReadRtklibPos(file, time_offset_s);
     case GnssFormat::kObGins:
-      return internal::ReadObGinsGnss(file, time_offset_s, columns);
+      return gnss_internal::ReadObGinsGnss(file, time_offset_s, columns);
     case GnssFormat::kNmea:
-      return internal::ReadNmea(file, time_offset_s);
+      return gnss_internal::ReadNmea(file, time_offset_s);
   }
   throw InvalidInput("unknown GNSS format", {file.string(), 0, 0});
 }

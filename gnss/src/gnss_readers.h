@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 
 /// One reader per format; ReadGnss documents the formats and the errors.
 GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
@@ -43,4 +43,4 @@ Eigen::Matrix3d R_e_enu(const Geodetic& point);
 Eigen::Matrix3d SignedRootsToCovariance(const Eigen::Vector3d& sigma,
                                         const Eigen::Vector3d& signed_roots);
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

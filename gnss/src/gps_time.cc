@@ -6,7 +6,7 @@
 #include <chrono>
 #include <string>
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 namespace {
 
 using std::chrono::day;
@@ -51,4 +51,4 @@ int GpsMinusUtcS(const GpsTime& utc) {
   return count;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

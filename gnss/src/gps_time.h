@@ -1,6 +1,6 @@
 #pragma once
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 
 inline constexpr double kDayS = 86400.0;
 
@@ -18,4 +18,4 @@ GpsTime CalendarToGpsTime(int year, int month, int day, int hour, int minute, do
 /// time. The last known leap second is that of 2017-01-01.
 int GpsMinusUtcS(const GpsTime& utc);
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

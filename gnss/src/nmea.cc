@@ -12,7 +12,7 @@
 #include "gnss_readers.h"
 #include "gps_time.h"
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 namespace {
 
 /// Returns the fields of "$GPGGA,...*hh" without '$' and checksum. The result is empty for a line
@@ -197,4 +197,4 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   return data;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

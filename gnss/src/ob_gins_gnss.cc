@@ -2,7 +2,7 @@
 
 #include "gnss_readers.h"
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 namespace {
 
 /// Converts standard deviations in the order north, east, down to a covariance in the order east,
@@ -43,4 +43,4 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
   return data;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

@@ -2,7 +2,7 @@
 
 #include "gnss_readers.h"
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 namespace {
 
 /// Columns at which the optional triples of a row begin; 0: the row does not have the triple.
@@ -56,4 +56,4 @@ GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
   return data;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

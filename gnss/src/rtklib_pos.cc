@@ -11,7 +11,7 @@
 #include "gnss_readers.h"
 #include "gps_time.h"
 
-namespace dn::internal {
+namespace dn::gnss_internal {
 namespace {
 
 // A value above this is not a time; whole weeks are computed from it.
@@ -334,4 +334,4 @@ GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s) 
   return data;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::gnss_internal

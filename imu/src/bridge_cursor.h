@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::imu_internal {
 
 /// Finds the bridges of samples that are visited in time order.
 class BridgeCursor {
@@ -26,4 +26,4 @@ class BridgeCursor {
   std::vector<ImuBridge>::const_iterator next_, end_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::imu_internal

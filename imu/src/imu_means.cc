@@ -44,7 +44,7 @@ class Joiner {
 
   const ImuData& imu_;
   double longest_s_;
-  internal::BridgeCursor bridges_;
+  imu_internal::BridgeCursor bridges_;
   std::vector<ImuSample> joined_;
   bool closed_ = true;  // true if no other sample may be joined to the last one
 };

@@ -590,7 +590,7 @@ class IncrementalPreintegrator::Impl {
   const PreintegrationNoise& noise_;
   SampleWalk walk_;
   Integrator integrator_;
-  internal::BridgeCursor bridges_;
+  imu_internal::BridgeCursor bridges_;
 };
 
 class IncrementalMotionIntegrator::Impl {

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Maximum number of points in a chunk of a StripReader.
 inline constexpr std::size_t kChunkPoints = 65536;
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

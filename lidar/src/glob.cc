@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <system_error>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,4 +54,4 @@ std::vector<fs::path> Glob(const fs::path& folder, const std::string& pattern) {
   return found;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Returns the paths that match a glob pattern (*, ?, [..] in any component of the path), sorted.
 /// Folders and circular links match only a pattern without wildcards. A relative pattern starts at
@@ -12,4 +12,4 @@ namespace dn::internal {
 std::vector<std::filesystem::path> Glob(const std::filesystem::path& folder,
                                         const std::string& pattern);
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -8,7 +8,7 @@
 
 #include "las_file.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 constexpr int kGeographicWgs84 = 4326, kGeocentricWgs84 = 4978;
@@ -257,4 +257,4 @@ StripCrs ParseWkt(std::string_view text, const FileLocation& where) {
   return WktReader(text, where).Read();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

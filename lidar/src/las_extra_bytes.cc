@@ -2,7 +2,7 @@
 
 #include "las_file.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 // Byte positions within a descriptor.
@@ -121,4 +121,4 @@ double BlockValue(const ExtraDimension& dimension, const char* record) {
   return RawValue(dimension.type, record + dimension.at) * dimension.scale + dimension.offset;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <limits>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -364,4 +364,4 @@ std::uint8_t PointClass(const LasFile& las, const char* record) {
 
 LasFile ReadLasFile(const fs::path& file) { return LasFileReader(file).Read(); }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

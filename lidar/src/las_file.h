@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Byte positions in the header and in the records, from the ASPRS LAS specification 1.4 R15.
 namespace las {
@@ -124,4 +124,4 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
 /// other than metres.
 StripCrs ParseWkt(std::string_view text, const FileLocation& where);
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -11,7 +11,7 @@
 #include "las_writer.h"
 #include "laser_vector.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 // "Adjusted standard" GPS time counts seconds from this origin, which is in seconds since 1980.
@@ -114,4 +114,4 @@ std::unique_ptr<StripWriter> LasReader::MakeWriter(const std::filesystem::path& 
   return std::make_unique<LasWriter>(file, las_, additions);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -7,7 +7,7 @@
 
 #include "las_file.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Reads the points of a LAS file.
 class LasReader final : public StripReader {
@@ -38,4 +38,4 @@ class LasReader final : public StripReader {
   std::optional<double> time_origin_s_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <limits>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 constexpr int kFloat = 9;
@@ -240,4 +240,4 @@ void LasWriter::Finish() {
   file_.Publish();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

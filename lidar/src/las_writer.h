@@ -8,7 +8,7 @@
 
 #include "las_file.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Writes points into a copy of a LAS file. Header, records and the data after the points are kept,
 /// except for fields that depend on the points. Coordinates are rounded to the grid of the file.
@@ -44,4 +44,4 @@ class LasWriter final : public StripWriter {
   Eigen::Vector3d min_, max_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -2,7 +2,7 @@
 
 #include <dn/geo/text_table.h>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 constexpr double kShortestRangeM = 1e-3;
@@ -22,4 +22,4 @@ void CheckLaserVector(const Eigen::Vector3d& u_m, const FileLocation& where) {
                      where);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

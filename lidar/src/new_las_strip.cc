@@ -6,7 +6,7 @@
 #include "las_file.h"
 #include "las_writer.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 375, kFormat = 6, kFormatBytes = 30;
@@ -96,12 +96,12 @@ class NewLasWriter final : public StripWriter {
 };
 
 }  // namespace
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal
 
 namespace dn {
 
 std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid) {
-  return std::make_unique<internal::NewLasWriter>(file, grid);
+  return std::make_unique<lidar_internal::NewLasWriter>(file, grid);
 }
 
 }  // namespace dn

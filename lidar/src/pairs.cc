@@ -14,9 +14,9 @@
 namespace dn {
 namespace {
 
-using internal::AppendNumbers;
-using internal::AppendUpperTriangle;
-using internal::FromUpperTriangle;
+using lidar_internal::AppendNumbers;
+using lidar_internal::AppendUpperTriangle;
+using lidar_internal::FromUpperTriangle;
 
 constexpr std::size_t kPairColumns = 8;
 constexpr std::size_t kPairColumnsWithCovariance = 14;
@@ -54,8 +54,8 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   pair.line = where.line;
   CheckTime(pair.t_i_s, where);
   CheckTime(pair.t_j_s, where);
-  internal::CheckLaserVector(pair.u_i_s, where);
-  internal::CheckLaserVector(pair.u_j_s, where);
+  lidar_internal::CheckLaserVector(pair.u_i_s, where);
+  lidar_internal::CheckLaserVector(pair.u_j_s, where);
   if (columns == kPairColumnsWithCovariance) {
     pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPairColumns), where);
   }
@@ -129,7 +129,7 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
                                                  const std::vector<std::string>& patterns) {
   std::vector<std::filesystem::path> files;
   for (const std::string& pattern : patterns) {
-    const std::vector<std::filesystem::path> found = internal::Glob(folder, pattern);
+    const std::vector<std::filesystem::path> found = lidar_internal::Glob(folder, pattern);
     if (found.empty()) {
       throw InvalidInput("no pair file matches '" + pattern + "' in " + folder.string());
     }

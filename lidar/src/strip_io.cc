@@ -13,8 +13,9 @@ std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending == ".txt") return std::make_unique<internal::StripTextReader>(file);
-  if (ending == ".las" || ending == ".laz") return std::make_unique<internal::LasReader>(file);
+  if (ending == ".txt") return std::make_unique<lidar_internal::StripTextReader>(file);
+  if (ending == ".las" || ending == ".laz")
+    return std::make_unique<lidar_internal::LasReader>(file);
   throw InvalidInput("strips must be .las or .txt files, but the extension is '" + ending + "'",
                      FileLocation{file.string()});
 }

@@ -6,7 +6,7 @@
 #include "laser_vector.h"
 #include "text_rows.h"
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 namespace {
 
 constexpr std::size_t kStripColumns = 7;
@@ -65,4 +65,4 @@ void StripTextWriter::Append(const StripCloud& points) {
   file_.Append(text);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

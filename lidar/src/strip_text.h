@@ -4,7 +4,7 @@
 #include <dn/geo/text_table.h>
 #include <dn/lidar/strip_io.h>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Reads the points of a LiMatch text file.
 class StripTextReader final : public StripReader {
@@ -38,4 +38,4 @@ class StripTextWriter final : public StripWriter {
   bool with_covariance_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -2,7 +2,7 @@
 
 #include <dn/geo/text_table.h>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 void AppendNumbers(const double* values, Eigen::Index count, std::string& line) {
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -22,4 +22,4 @@ void AppendUpperTriangle(const Eigen::Matrix3d& M, std::string& line) {
   AppendNumbers(upper, 6, line);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

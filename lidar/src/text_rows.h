@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <string>
 
-namespace dn::internal {
+namespace dn::lidar_internal {
 
 /// Appends numbers to a row of a text file, separated by ", ".
 void AppendNumbers(const double* values, Eigen::Index count, std::string& line);
@@ -12,4 +12,4 @@ void AppendNumbers(const double* values, Eigen::Index count, std::string& line);
 Eigen::Matrix3d FromUpperTriangle(const double* c);
 void AppendUpperTriangle(const Eigen::Matrix3d& M, std::string& line);
 
-}  // namespace dn::internal
+}  // namespace dn::lidar_internal

@@ -9,7 +9,7 @@
 
 #include "median_by_axis.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Vector2d;
@@ -112,4 +112,4 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   return out;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// The shift of a patch and its position.
 struct PlacedShift {
@@ -27,4 +27,4 @@ struct Agreement {
 /// units in any axis does not agree. Fewer than four shifts all agree.
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -8,7 +8,7 @@
 
 #include "coarse_alignment.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -132,4 +132,4 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
   return fit;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -3,7 +3,7 @@
 #include "coarse_alignment.h"
 #include "median_by_axis.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -53,4 +53,4 @@ AlignmentFit AlignShifts(const std::vector<CoarsePair>& pairs, double tolerance_
   return fit;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 void CheckPositive(const char* name, double length_m) {
   if (length_m > 0.0 && std::isfinite(length_m)) return;
@@ -25,4 +25,4 @@ void CheckPoints(const std::vector<Eigen::Vector3d>& points_m, double bound_m) {
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Throws InvalidInput with the name and value of the length unless it is positive and finite.
 void CheckPositive(const char* name, double length_m);
@@ -12,4 +12,4 @@ void CheckPositive(const char* name, double length_m);
 /// bound_m in magnitude.
 void CheckPoints(const std::vector<Eigen::Vector3d>& points_m, double bound_m);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -5,7 +5,7 @@
 
 #include "patches.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Matrix2d;
@@ -181,4 +181,4 @@ std::vector<Patch> ChoosePatches(const HeightRaster& a, const HeightRaster& b,
   return Chooser(a, b, options).Run();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Points that a coarse level takes for the same point of the ground.
 struct CoarsePair {
@@ -34,4 +34,4 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
 AlignmentFit AlignShifts(const std::vector<CoarsePair>& pairs, double tolerance_m,
                          BareMatchSource* source);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

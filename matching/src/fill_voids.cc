@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 constexpr std::size_t kFewestOfHole = 5;
@@ -64,4 +64,4 @@ void FillVoids(int nx, int ny, int passes, std::vector<float>* z_m) {
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Fills cells without a height (NaN) of a grid with nx columns. First, cells with at least five
 /// neighbours that have a height get their median. Then up to `passes` rounds from the rim inwards
@@ -11,4 +11,4 @@ namespace dn::internal {
 /// own shadow would not increase the height differences.
 void FillVoids(int nx, int ny, int passes, std::vector<float>* z_m);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

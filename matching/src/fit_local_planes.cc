@@ -47,21 +47,21 @@ LocalPlane FitPlane(const std::vector<Eigen::Vector3d>& points_m,
 
 std::vector<LocalPlane> FitLocalPlanes(const std::vector<Eigen::Vector3d>& points_m,
                                        const std::vector<std::size_t>& at, double radius_m) {
-  internal::CheckPositive("radius", radius_m);
-  internal::CheckPoints(points_m, std::numeric_limits<double>::max());
+  matching_internal::CheckPositive("radius", radius_m);
+  matching_internal::CheckPoints(points_m, std::numeric_limits<double>::max());
   for (const std::size_t i : at) {
     if (i < points_m.size()) continue;
     throw InvalidInput("index " + std::to_string(i) + " is out of range: there are " +
                        std::to_string(points_m.size()) + " points");
   }
   if (at.empty()) return {};
-  return internal::FitLocalPlanes(points_m, internal::PointTree(points_m), at, radius_m);
+  return matching_internal::FitLocalPlanes(points_m, matching_internal::PointTree(points_m), at,
+                                           radius_m);
 }
 
-std::vector<LocalPlane> internal::FitLocalPlanes(const std::vector<Eigen::Vector3d>& points_m,
-                                                 const PointTree& tree,
-                                                 const std::vector<std::size_t>& at,
-                                                 double radius_m) {
+std::vector<LocalPlane> matching_internal::FitLocalPlanes(
+    const std::vector<Eigen::Vector3d>& points_m, const PointTree& tree,
+    const std::vector<std::size_t>& at, double radius_m) {
   std::vector<LocalPlane> planes;
   std::vector<std::size_t> neighbours;
   planes.reserve(at.size());

@@ -4,7 +4,7 @@
 #include "patches.h"
 #include "place_points.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Vector2d;
@@ -98,4 +98,4 @@ std::vector<DiscPoints> Gather(const MatchSource& source, std::size_t strip,
   return gathered;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -6,7 +6,7 @@
 
 #include "fill_voids.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Matrix2d;
@@ -154,4 +154,4 @@ std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
   return shift_m;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

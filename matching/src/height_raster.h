@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// A horizontal grid in the map frame. Cell (x, y) has its centre at origin + cell (x + 1/2, y +
 /// 1/2).
@@ -56,4 +56,4 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3
 std::optional<Eigen::Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
                                          const Eigen::Vector2i& centre, int half, int search);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -23,16 +23,16 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 using Eigen::Vector3d;
-using internal::AlignmentFit;
-using internal::CoarsePair;
-using internal::Disc;
-using internal::DiscPoints;
-using internal::HeightRaster;
-using internal::MakeRaster;
-using internal::Patch;
-using internal::RasterGrid;
-using internal::Registration;
-using internal::StripSample;
+using matching_internal::AlignmentFit;
+using matching_internal::CoarsePair;
+using matching_internal::Disc;
+using matching_internal::DiscPoints;
+using matching_internal::HeightRaster;
+using matching_internal::MakeRaster;
+using matching_internal::Patch;
+using matching_internal::RasterGrid;
+using matching_internal::Registration;
+using matching_internal::StripSample;
 
 // Lengths in ground sampling distances.
 constexpr double kSampleCell_gsd = 2.0;  // so small that a shifted raster has few holes
@@ -91,7 +91,7 @@ double GsdFromDensity(const MatchSource& source, int threads) {
   constexpr double kFirstCell_m = 1.0;
   constexpr double kPointsPerCell = 30.0;
   const StripSample sample =
-      internal::SampleStrip(source, 0, kFirstCell_m, threads, [](std::uint64_t) {});
+      matching_internal::SampleStrip(source, 0, kFirstCell_m, threads, [](std::uint64_t) {});
   const auto points = static_cast<double>(sample.counts.kept);
   double cell_m = kFirstCell_m;
   for (int round = 0; round < 8; ++round, cell_m *= 2.0) {
@@ -219,7 +219,7 @@ class Matcher {
     for (std::size_t s = 0; s < source_.strips().size(); ++s) {
       const std::string stage = "reading strip " + source_.strips()[s].name;
       Tell(stage);
-      samples_.push_back(internal::SampleStrip(
+      samples_.push_back(matching_internal::SampleStrip(
           source_, s, kSampleCell_gsd * result_.gsd_m, options_.threads,
           [&](std::uint64_t points) { Tell(stage, fmt::format("{} points", points)); }));
       result_.strips.push_back(samples_.back().counts);
@@ -228,7 +228,7 @@ class Matcher {
 
   void PlaceSamples() {
     for (std::size_t s = 0; s < samples_.size(); ++s) {
-      internal::Place(source_, s, options_.threads, &samples_[s]);
+      matching_internal::Place(source_, s, options_.threads, &samples_[s]);
     }
   }
 
@@ -262,13 +262,13 @@ class Matcher {
     const std::vector<Vector2i> centres = CoarseCentres(raster_a);
     level->places += centres.size();
     std::vector<std::optional<Vector3d>> shifts(centres.size());
-    ParallelForChunks(
-        centres.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
-          for (std::size_t k = first; k < past; ++k) {
-            shifts[k] =
-                internal::FindShift(raster_a, raster_b, centres[k], kCoarseHalf, kCoarseSearch);
-          }
-        });
+    ParallelForChunks(centres.size(), 4, options_.threads,
+                      [&](std::size_t, std::size_t first, std::size_t past) {
+                        for (std::size_t k = first; k < past; ++k) {
+                          shifts[k] = matching_internal::FindShift(raster_a, raster_b, centres[k],
+                                                                   kCoarseHalf, kCoarseSearch);
+                        }
+                      });
     for (std::size_t k = 0; k < centres.size(); ++k) {
       if (shifts[k]) AddCoarse(i, j, raster_a, raster_b, centres[k], *shifts[k], pairs);
     }
@@ -330,7 +330,7 @@ class Matcher {
         match->overlap_m2 += grid.cell_m * grid.cell_m;
       }
     }
-    const std::vector<Patch> patches = internal::ChoosePatches(
+    const std::vector<Patch> patches = matching_internal::ChoosePatches(
         raster_a, raster_b,
         {HalfCells(), a.point_density_m2 * grid.cell_m * grid.cell_m, kMostPointsOfPatch,
          kLeastInformation, options_.most_pairs, static_cast<int>(kTile_gsd / kRasterCell_gsd)});
@@ -342,7 +342,7 @@ class Matcher {
             const Patch& patch = patches[k];
             work[k].patch = patch;
             work[k].centre_en_m = grid.Centre(patch.cell.x(), patch.cell.y());
-            work[k].raster_shift_m = internal::FindShift(
+            work[k].raster_shift_m = matching_internal::FindShift(
                 raster_a, raster_b, patch.cell, std::max(kFineHalf, patch.half_cells), kFineSearch);
           }
         });
@@ -378,7 +378,7 @@ class Matcher {
       for (std::size_t n = 0; n < kNeighboursOfStart; ++n) {
         shifts_m.push_back(*nearest[n]->raster_shift_m);
       }
-      starts.emplace_back(k, internal::MedianByAxis(shifts_m));
+      starts.emplace_back(k, matching_internal::MedianByAxis(shifts_m));
     }
     for (const auto& [k, start_m] : starts) (*work)[k].raster_shift_m = start_m;
   }
@@ -411,9 +411,10 @@ class Matcher {
           {w.centre_en_m + w.raster_shift_m->head<2>(), radius_m + reach_m, keep_share});
     }
     const auto gather = [&](std::size_t strip, const std::vector<Disc>& discs) {
-      return internal::Gather(source_, strip, discs, options_.threads, [&](std::uint64_t points) {
-        Tell(stage, fmt::format("{} points of strip {}", points, source_.strips()[strip].name));
-      });
+      return matching_internal::Gather(
+          source_, strip, discs, options_.threads, [&](std::uint64_t points) {
+            Tell(stage, fmt::format("{} points of strip {}", points, source_.strips()[strip].name));
+          });
     };
     const std::vector<DiscPoints> in_a = gather(i, discs_a), in_b = gather(j, discs_b);
     Tell("registration of " + PairName(i, j), fmt::format("{} of {}", first, work->size()));
@@ -430,9 +431,10 @@ class Matcher {
     if (in_a.size() == 0 || in_b.size() == 0) return;
     const double gsd_m = result_.gsd_m;
     const double neighbourhood_m = kNeighbourhood_gsd * gsd_m / std::sqrt(disc.keep_share);
-    const internal::PatchSurface a(in_a.p_m, neighbourhood_m), b(in_b.p_m, neighbourhood_m);
+    const matching_internal::PatchSurface a(in_a.p_m, neighbourhood_m),
+        b(in_b.p_m, neighbourhood_m);
     const double spacing_m = gsd_m / std::sqrt(disc.keep_share);
-    const auto registration = internal::RegisterPatches(
+    const auto registration = matching_internal::RegisterPatches(
         a, b, *work->raster_shift_m, {disc.centre_en_m, disc.radius_m, kReach_gsd * spacing_m});
     if (!registration || registration->used_share < kLeastUsedShare ||
         registration->rms_m > kMostRms_gsd * gsd_m ||
@@ -445,7 +447,7 @@ class Matcher {
 
   /// Sets the pair nearest to the centre of the patches.
   void Pair(std::size_t i, const Disc& disc, const DiscPoints& in_a, const DiscPoints& in_b,
-            const internal::PatchSurface& b, Work* work) const {
+            const matching_internal::PatchSurface& b, Work* work) const {
     std::size_t at = 0;
     for (std::size_t k = 1; k < in_a.size(); ++k) {
       if ((in_a.p_m[k].head<2>() - disc.centre_en_m).squaredNorm() <
@@ -522,12 +524,12 @@ class Matcher {
   /// Keeps the pairs that agree with their neighbours. The strips must be aligned first; otherwise
   /// the effect of the boresight, which varies with the position, would count as disagreement.
   void KeepAgreeing(StripPairMatch* match) const {
-    std::vector<internal::PlacedShift> shifts;
+    std::vector<matching_internal::PlacedShift> shifts;
     for (const MatchedPair& pair : match->pairs) {
       const Vector3d p_j_m = source_.Position(match->j, pair.pair.t_j_s, pair.pair.u_j_s);
       shifts.push_back({p_j_m.head<2>(), -Apart(*match, pair), *pair.pair.covariance_m2});
     }
-    const internal::Agreement agreement = internal::AgreeWithNeighbours(shifts);
+    const matching_internal::Agreement agreement = matching_internal::AgreeWithNeighbours(shifts);
     match->variance_factor = agreement.variance_factor;
     std::vector<MatchedPair> kept;
     for (std::size_t p = 0; p < shifts.size(); ++p) {
@@ -594,7 +596,7 @@ class FlightMatcher : public Matcher {
   }
 
   AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
-    return internal::AlignBoresight(pairs, given_rad_, tolerance_m, options(), &source_);
+    return matching_internal::AlignBoresight(pairs, given_rad_, tolerance_m, options(), &source_);
   }
 
   Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
@@ -619,7 +621,7 @@ class BareMatcher : public Matcher {
   double FirstSearch() const override { return options().search_m; }
 
   AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
-    return internal::AlignShifts(pairs, tolerance_m, &source_);
+    return matching_internal::AlignShifts(pairs, tolerance_m, &source_);
   }
 
   void AsGiven(const std::function<void()>& work) override {

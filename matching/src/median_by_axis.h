@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Returns the median of each coordinate; `values` must not be empty.
 inline Eigen::Vector3d MedianByAxis(const std::vector<Eigen::Vector3d>& values) {
@@ -19,4 +19,4 @@ inline Eigen::Vector3d MedianByAxis(const std::vector<Eigen::Vector3d>& values) 
   return median;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

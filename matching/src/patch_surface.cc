@@ -5,7 +5,7 @@
 
 #include "local_planes.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 PatchSurface::PatchSurface(std::vector<Eigen::Vector3d> points_m, double radius_m)
     : points_m_(std::move(points_m)), tree_(points_m_) {
@@ -14,4 +14,4 @@ PatchSurface::PatchSurface(std::vector<Eigen::Vector3d> points_m, double radius_
   planes_ = FitLocalPlanes(points_m_, tree_, all, radius_m);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -7,7 +7,7 @@
 
 #include "point_tree.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Points of a strip around a place, each with the plane of its neighbourhood.
 class PatchSurface {
@@ -27,4 +27,4 @@ class PatchSurface {
   std::vector<LocalPlane> planes_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -9,7 +9,7 @@
 
 #include "height_raster.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// A place where two strips are compared.
 struct Patch {
@@ -55,4 +55,4 @@ std::vector<DiscPoints> Gather(const MatchSource& source, std::size_t strip,
                                const std::vector<Disc>& discs, int threads,
                                const std::function<void(std::uint64_t)>& told);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

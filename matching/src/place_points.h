@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Computes the positions of points of a strip with the present alignment. x: like RawPoints::x, in
 /// float or double.
@@ -25,4 +25,4 @@ void PlacePoints(const MatchSource& source, std::size_t strip, const std::vector
                     });
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

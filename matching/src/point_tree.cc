@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -94,4 +94,4 @@ void PointTree::FindWithin(const Vector3d& p_m, double radius_m,
   index_->Ask(p_m, &result);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

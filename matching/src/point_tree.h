@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Search tree for the nearest points of a cloud. It uses FLANN directly, because PCL opens and
 /// closes a team of OpenMP threads for every query, which takes longer than the query. Coordinates
@@ -32,4 +32,4 @@ class PointTree {
   std::unique_ptr<const Index> index_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

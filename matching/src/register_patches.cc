@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -195,4 +195,4 @@ std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSu
   return std::nullopt;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -5,7 +5,7 @@
 
 #include "patch_surface.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 struct RegisterOptions {
   Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();  ///< centre of the patch in a
@@ -48,4 +48,4 @@ std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSu
                                             const Eigen::Vector3d& start_m,
                                             const RegisterOptions& options);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

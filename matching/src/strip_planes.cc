@@ -98,7 +98,7 @@ std::vector<TilePoints> ReadTiles(const MatchSource& source, std::size_t strip,
   std::vector<TilePoints> out(tiles.size());
   std::vector<Vector3d> p_m;
   source.Read(strip, [&](const RawPoints& points) {
-    internal::PlacePoints(source, strip, points.t_s, points.x, options.threads, &p_m);
+    matching_internal::PlacePoints(source, strip, points.t_s, points.x, options.threads, &p_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const SquareKey tile = TileIndex(p_m[i], options.tile_m);
       const auto found = std::lower_bound(tiles.begin(), tiles.end(), tile);

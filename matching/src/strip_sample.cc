@@ -5,7 +5,7 @@
 
 #include "place_points.h"
 
-namespace dn::internal {
+namespace dn::matching_internal {
 namespace {
 
 using Eigen::Vector2d;
@@ -74,4 +74,4 @@ StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cel
   return sample;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

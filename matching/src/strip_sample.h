@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::matching_internal {
 
 /// Points of a strip, about one per cell of a horizontal grid, for the coarse levels.
 struct StripSample {
@@ -29,4 +29,4 @@ StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cel
 /// Computes the positions with the present alignment.
 void Place(const MatchSource& source, std::size_t strip, int threads, StripSample* sample);
 
-}  // namespace dn::internal
+}  // namespace dn::matching_internal

@@ -55,8 +55,8 @@ std::vector<bool> Kept(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud) {
 }  // namespace
 
 std::vector<std::size_t> ThinByVoxel(const std::vector<Eigen::Vector3d>& points_m, double voxel_m) {
-  internal::CheckPositive("voxel", voxel_m);
-  internal::CheckPoints(points_m, kMaxCells * voxel_m);
+  matching_internal::CheckPositive("voxel", voxel_m);
+  matching_internal::CheckPoints(points_m, kMaxCells * voxel_m);
 
   std::map<Tile, std::vector<std::size_t>> tiles;
   for (std::size_t i = 0; i < points_m.size(); ++i) {

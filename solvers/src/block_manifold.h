@@ -3,7 +3,7 @@
 #include <ceres/manifold.h>
 #include <dn/block.h>
 
-namespace dn::internal {
+namespace dn::solvers_internal {
 
 /// Ceres manifold of a block kind, with the tangent of dn::Plus.
 class BlockManifold final : public ceres::Manifold {
@@ -22,4 +22,4 @@ class BlockManifold final : public ceres::Manifold {
   BlockKind kind_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::solvers_internal

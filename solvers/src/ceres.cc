@@ -40,7 +40,8 @@ class FactorCostFunction : public ceres::CostFunction {
 /// Cost function of a factor of a network, which stores exceptions.
 class NetworkCostFunction final : public FactorCostFunction {
  public:
-  NetworkCostFunction(const Network& network, FactorId id, internal::FactorException* exception)
+  NetworkCostFunction(const Network& network, FactorId id,
+                      solvers_internal::FactorException* exception)
       : FactorCostFunction(network.factor(id).factor),
         network_(network),
         id_(id),
@@ -59,7 +60,7 @@ class NetworkCostFunction final : public FactorCostFunction {
  private:
   const Network& network_;
   FactorId id_;
-  internal::FactorException* exception_;
+  solvers_internal::FactorException* exception_;
 };
 
 /// A user's loss function with first-order weights.
@@ -99,7 +100,7 @@ ceres::Problem::Options Ownership() {
 
 }  // namespace
 
-namespace internal {
+namespace solvers_internal {
 
 bool BlockManifold::Plus(const double* x, const double* d, double* x_plus_d) const {
   dn::Plus(kind_, x, d, x_plus_d);
@@ -135,11 +136,11 @@ void FactorException::Rethrow() const {
   if (exception_) std::rethrow_exception(exception_);
 }
 
-}  // namespace internal
+}  // namespace solvers_internal
 
 std::unique_ptr<ceres::Manifold> MakeCeresManifold(const BlockKind& kind) {
   if (kind.stored_size < 1) throw InvalidInput("ceres: a block kind of size 0 has no manifold");
-  return std::make_unique<internal::BlockManifold>(kind);
+  return std::make_unique<solvers_internal::BlockManifold>(kind);
 }
 
 std::unique_ptr<ceres::CostFunction> MakeCostFunction(std::shared_ptr<const FactorBase> factor) {

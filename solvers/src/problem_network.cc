@@ -95,7 +95,7 @@ class ParameterKinds {
     if (manifold == nullptr || manifold->TangentSize() == 0) {
       return {VectorKind(problem.ParameterBlockSize(x)), nullptr};
     }
-    if (const auto* block = dynamic_cast<const internal::BlockManifold*>(manifold)) {
+    if (const auto* block = dynamic_cast<const solvers_internal::BlockManifold*>(manifold)) {
       return {block->kind(), nullptr};
     }
     std::shared_ptr<const CeresManifoldFunctions>& functions = known_[manifold];

@@ -39,7 +39,7 @@ SimulatedFlight FlyWith(const EffectCase& effect) {
 }
 
 /// A constant offset of the GNSS positions in a time window.
-internal::Library StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
+diagnosis_internal::Library StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
   constexpr std::size_t kPositionBlock = 1;
   EffectModel columns;
   for (const GnssEdge& edge : network.gnss().edges()) {
@@ -50,8 +50,8 @@ internal::Library StepInWindow(const FlightNetwork& network, const EffectTimes& 
     const Eigen::Matrix3d R_m_enu = epoch.R_m_enu;
     columns.push_back({edge.position, Eigen::MatrixXd(J[kPositionBlock] * R_m_enu)});
   }
-  internal::Library library;
-  library.Add(internal::MakeHypothesis(EffectId::kGnssPositionStep), std::move(columns));
+  diagnosis_internal::Library library;
+  library.Add(diagnosis_internal::MakeHypothesis(EffectId::kGnssPositionStep), std::move(columns));
   return library;
 }
 
@@ -67,10 +67,10 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
   Foretold best;
   double most = -1.0;
   // The model check does not search for the window of a step, so the test states it.
-  const internal::Library library = effect.unknown == "gnss_position_step"
-                                        ? StepInWindow(network, effect.times)
-                                        : internal::MakeNetworkHypotheses(network);
-  for (const internal::Hypothesis& hypothesis : library.hypotheses) {
+  const diagnosis_internal::Library library =
+      effect.unknown == "gnss_position_step" ? StepInWindow(network, effect.times)
+                                             : diagnosis_internal::MakeNetworkHypotheses(network);
+  for (const diagnosis_internal::Hypothesis& hypothesis : library.hypotheses) {
     if (hypothesis.name != effect.unknown) continue;
     const JointScore score = ScoreEffects(without.marginals, {library.blocks[hypothesis.block]},
                                           {network.calibration().boresight().id});

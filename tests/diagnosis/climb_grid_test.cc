@@ -9,9 +9,10 @@ struct Point {
 };
 
 Point Climb(const Point& start, const Point& summit) {
-  return internal::ClimbGrid(start, {{&Point::x, 5}, {&Point::y, 2}}, [&](const Point& at) {
-    return -(at.x - summit.x) * (at.x - summit.x) - (at.y - summit.y) * (at.y - summit.y);
-  });
+  return diagnosis_internal::ClimbGrid(
+      start, {{&Point::x, 5}, {&Point::y, 2}}, [&](const Point& at) {
+        return -(at.x - summit.x) * (at.x - summit.x) - (at.y - summit.y) * (at.y - summit.y);
+      });
 }
 
 TEST(ClimbGrid, ReachesTheSummitFromAnyStart) {

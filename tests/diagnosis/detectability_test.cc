@@ -7,15 +7,16 @@
 
 namespace dn::diagnosis_test {
 
-using internal::Hypothesis;
-using internal::Library;
-using internal::MakeHypothesis;
-using internal::TestFamily;
+using diagnosis_internal::Hypothesis;
+using diagnosis_internal::Library;
+using diagnosis_internal::MakeHypothesis;
+using diagnosis_internal::TestFamily;
 
 TEST(MinimalDetectableBias, IsInfiniteForAnAbsorbedSignature) {
-  EXPECT_DOUBLE_EQ(internal::MinimalDetectableBias(4.0, 9.0), 0.5 * OutlierTest().NonCentrality());
-  EXPECT_TRUE(std::isinf(internal::MinimalDetectableBias(1e-9, 1.0)));
-  EXPECT_TRUE(std::isinf(internal::MinimalDetectableBias(0.0, 0.0)));
+  EXPECT_DOUBLE_EQ(diagnosis_internal::MinimalDetectableBias(4.0, 9.0),
+                   0.5 * OutlierTest().NonCentrality());
+  EXPECT_TRUE(std::isinf(diagnosis_internal::MinimalDetectableBias(1e-9, 1.0)));
+  EXPECT_TRUE(std::isinf(diagnosis_internal::MinimalDetectableBias(0.0, 0.0)));
 }
 
 /// Hypotheses with one component each, whose score has this shift per typical size.

@@ -6,9 +6,9 @@
 
 namespace dn::diagnosis_test {
 
-using internal::CellRange;
-using internal::Hypothesis;
-using internal::Library;
+using diagnosis_internal::CellRange;
+using diagnosis_internal::Hypothesis;
+using diagnosis_internal::Library;
 
 /// A block of nine columns on one factor, with its score if nothing else is unknown.
 struct OneBlock {
@@ -27,7 +27,7 @@ struct OneBlock {
 };
 
 Hypothesis Cells(const CellRange& cells) {
-  return internal::MakeDiscrepancy("cells", 0, cells, Eigen::Vector3d::Ones());
+  return diagnosis_internal::MakeDiscrepancy("cells", 0, cells, Eigen::Vector3d::Ones());
 }
 
 TEST(Hypothesis, InformationIsThatOfTheColumns) {
@@ -51,10 +51,10 @@ TEST(Hypothesis, CellsOfTheirOwnAreAPartOfTheBlock) {
 }
 
 TEST(Hypothesis, OfATableHasItsUnitAndNoTimeConstant) {
-  const Hypothesis drift = internal::MakeHypothesis(EffectId::kLidarTimeDrift);
+  const Hypothesis drift = diagnosis_internal::MakeHypothesis(EffectId::kLidarTimeDrift);
   EXPECT_EQ(drift.unit, "ppm");
   EXPECT_NEAR(drift.per_si, 1e6, 1e-6);
-  const Hypothesis process = internal::MakeHypothesis(EffectId::kGyroBiasProcess, 4);
+  const Hypothesis process = diagnosis_internal::MakeHypothesis(EffectId::kGyroBiasProcess, 4);
   EXPECT_EQ(process.block, 4U);
   EXPECT_EQ(process.typical.size() + 1,
             static_cast<Eigen::Index>(EffectRow(EffectId::kGyroBiasProcess).components.size()));

@@ -153,8 +153,8 @@ Scenario InjectionScenario(const Injection& injection, const std::string& extra)
 /// Returns the estimate of one effect alone.
 Eigen::VectorXd EstimateEffect(const std::string& name, const Checked& flight) {
   const FlightNetwork& network = *flight.calibration.adjustment.network;
-  const internal::Library library = internal::MakeNetworkHypotheses(network);
-  for (const internal::Hypothesis& hypothesis : library.hypotheses) {
+  const diagnosis_internal::Library library = diagnosis_internal::MakeNetworkHypotheses(network);
+  for (const diagnosis_internal::Hypothesis& hypothesis : library.hypotheses) {
     if (hypothesis.name != name) continue;
     return hypothesis.per_si *
            TestEffects(flight.calibration.marginals, {library.blocks[hypothesis.block]})

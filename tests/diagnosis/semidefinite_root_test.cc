@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace dn::internal {
+namespace dn::diagnosis_internal {
 
 Eigen::MatrixXd Drawn(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   std::mt19937 rng(seed);
@@ -54,4 +54,4 @@ TEST(SemidefiniteRoot, WhatRoundingLeavesIsZero) {
   EXPECT_NEAR(L(1, 0), 1e-9, 1e-20);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::diagnosis_internal

@@ -62,7 +62,8 @@ TEST(Signature, IsWhatATestSeesInNoise) {
     const Flight flight = Simulate(AircraftScenario(effect), options).flight;
     const Adjustment adjustment = Adjust(flight);
     const Marginals marginals(adjustment.network->net());
-    const internal::Screen screen(*adjustment.network, marginals, {{"lidar_range_offset"}, {}, 1});
+    const diagnosis_internal::Screen screen(*adjustment.network, marginals,
+                                            {{"lidar_range_offset"}, {}, 1});
     mean += screen.Effects().front().statistic / kSeeds;
   }
   EXPECT_NEAR(mean, lambda + 1.0, 3.5 * std::sqrt((2.0 + 4.0 * lambda) / kSeeds) + 0.1 * lambda);

@@ -81,7 +81,7 @@ std::vector<double> CscValues(const sparse::Cholesky& cholesky) {
 }
 
 TEST_P(Cholesky, AgreesWithDenseFactorisation) {
-  const Cube cube(1);
+  const BlockCube cube(1);
   const UnknownLayout layout(cube.network);
   sparse::Cholesky cholesky(cube.A, cube.blocks, layout, GetParam());
   ASSERT_TRUE(cholesky.Factorize(cube.A, 0.5, 2));
@@ -110,7 +110,7 @@ TEST_P(Cholesky, AgreesWithDenseFactorisation) {
 
 // Uses more right-hand sides than are solved together, so that some are rows of a larger array.
 TEST_P(Cholesky, HalvesOfSolutionsMultiplyToTheWhole) {
-  const Cube cube(3);
+  const BlockCube cube(3);
   sparse::Cholesky cholesky(cube.A, cube.blocks, UnknownLayout(cube.network), GetParam());
   ASSERT_TRUE(cholesky.Factorize(cube.A));
   const Eigen::MatrixXd B = Eigen::MatrixXd::Random(cube.A.n, 37);
@@ -126,7 +126,7 @@ TEST_P(Cholesky, HalvesOfSolutionsMultiplyToTheWhole) {
 }
 
 TEST_P(Cholesky, NumbersDoNotDependOnThreads) {
-  const Cube cube(2);
+  const BlockCube cube(2);
   const UnknownLayout layout(cube.network);
   sparse::Cholesky one(cube.A, cube.blocks, layout, GetParam());
   ASSERT_TRUE(one.Factorize(cube.A));
@@ -141,7 +141,7 @@ TEST_P(Cholesky, NumbersDoNotDependOnThreads) {
 }
 
 TEST_P(Cholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
-  const Cube cube(3);
+  const BlockCube cube(3);
   const UnknownLayout layout(cube.network);
   sparse::Cholesky cholesky(cube.A, cube.blocks, layout, GetParam());
   for (const int threads : {1, 2}) {

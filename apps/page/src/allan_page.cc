@@ -2,7 +2,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 struct Sensor {
@@ -92,4 +92,4 @@ Document AllanPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -4,7 +4,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 std::vector<Cell> ShareRow(const std::string& name, const Facts& share) {
@@ -149,4 +149,4 @@ Document BlindPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

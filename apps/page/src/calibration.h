@@ -7,7 +7,7 @@
 
 #include "result_folder.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 
 /// A boresight of a result folder.
 struct Calibrated {
@@ -24,4 +24,4 @@ Headline CalibrationHeadline(const Calibrated& calibrated, bool with_name);
 /// Returns the difference of each two boresights, its sigma and its significance.
 Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named);
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -8,7 +8,7 @@
 #include "calibration.h"
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 /// Returns what each verdict means for a user of the angles.
@@ -200,4 +200,4 @@ Document CalibrationPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -8,7 +8,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Significance level of three sigma, chosen as in the comparison of two methods.
@@ -100,4 +100,4 @@ Document ComparisonPage(const std::vector<std::filesystem::path>& folders) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -5,9 +5,9 @@
 
 #include "calibration.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 
 /// Returns a page that compares several results.
 Document ComparisonPage(const std::vector<std::filesystem::path>& folders);
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

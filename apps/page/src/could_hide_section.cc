@@ -3,7 +3,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 /// Returns the detectable size of each component alone; "any" if it is undetectable at any size.
@@ -39,4 +39,4 @@ Section UndetectableSection(const Facts& effects) {
   return section;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

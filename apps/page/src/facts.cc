@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kMostTexts = 10'000;
@@ -126,4 +126,4 @@ Cell Facts::Decimals(int digits, double scale) const {
 
 Cell Text(std::string text, Tone tone) { return {std::move(text), tone}; }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

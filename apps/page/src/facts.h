@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::page_internal {
 
 /// Number of elements of lists and objects that the files of one folder may still add to a page. It
 /// bounds the size of the page of a damaged file.
@@ -64,4 +64,4 @@ inline const double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Returns a cell with a text.
 Cell Text(std::string text, Tone tone = Tone::kPlain);
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

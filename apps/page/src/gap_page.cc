@@ -7,7 +7,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kMaxCauses = 15;
@@ -218,4 +218,4 @@ Document GapPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -3,7 +3,7 @@
 #include "sections.h"
 #include "swath_map.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 Headline GeorefHeadline(const Facts& georef) {
@@ -46,4 +46,4 @@ Document GeorefPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

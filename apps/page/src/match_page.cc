@@ -6,7 +6,7 @@
 #include "sections.h"
 #include "swath_map.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Columns of matches/<a>_<b>.txt.
@@ -191,4 +191,4 @@ Document MatchPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -7,7 +7,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Significance level of a family of tests, as in the model check.
@@ -149,4 +149,4 @@ Section ModelCheckSection(const Facts& result) {
   return section;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

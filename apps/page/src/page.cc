@@ -7,7 +7,7 @@
 #include "sections.h"
 
 namespace dn {
-namespace internal {
+namespace page_internal {
 
 Document OtherPage(const ResultFolder& folder) {
   const Facts& report = folder.report();
@@ -50,12 +50,12 @@ Document PageWithoutRun(const ResultFolder& folder) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace page_internal
 
 Document MakePage(const std::filesystem::path& folder) {
-  const internal::ResultFolder result(folder);
-  Document document = internal::PageWithoutRun(result);
-  for (Section& section : internal::RunSections(result)) {
+  const page_internal::ResultFolder result(folder);
+  Document document = page_internal::PageWithoutRun(result);
+  for (Section& section : page_internal::RunSections(result)) {
     document.sections.push_back(std::move(section));
   }
   return document;
@@ -63,7 +63,7 @@ Document MakePage(const std::filesystem::path& folder) {
 
 Document MakePage(const std::vector<std::filesystem::path>& folders) {
   if (folders.size() == 1) return MakePage(folders.front());
-  return internal::ComparisonPage(folders);
+  return page_internal::ComparisonPage(folders);
 }
 
 }  // namespace dn

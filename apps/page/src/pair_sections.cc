@@ -10,7 +10,7 @@
 #include "sections.h"
 #include "swath_map.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Columns of pair_residuals.txt.
@@ -169,4 +169,4 @@ Section PairSection(const ResultFolder& folder, const Facts& result, const std::
   return section;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Limits far above those of any file that a command writes.
@@ -61,4 +61,4 @@ std::optional<FlightConfig> ResultFolder::Config() const {
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -10,7 +10,7 @@
 
 #include "facts.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 
 /// The files of a result folder.
 class ResultFolder {
@@ -41,4 +41,4 @@ class ResultFolder {
   Facts report_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -7,7 +7,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Two points per pixel of a wide chart.
@@ -169,4 +169,4 @@ std::vector<Section> RunSections(const ResultFolder& folder) {
   return sections;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -8,7 +8,7 @@
 
 #include "result_folder.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 
 // Names of the three components.
 inline const std::vector<std::string> kBoresightAngles{"roll", "pitch", "yaw"};
@@ -109,4 +109,4 @@ Document SweepPage(const ResultFolder& folder);
 /// Returns the page of a command without a verdict: simulate, check.
 Document OtherPage(const ResultFolder& folder);
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

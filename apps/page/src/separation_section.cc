@@ -2,7 +2,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 Table EmptyTable(std::string title) {
@@ -40,4 +40,4 @@ Section SeparationSection(const std::vector<Separation>& separations) {
   return section;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -3,7 +3,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 // Limits of good trajectories in LP360's trajectory report, m; larger values are marked.
@@ -88,4 +88,4 @@ Document SmoothPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

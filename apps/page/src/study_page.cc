@@ -2,7 +2,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kCorrelationColumns = 19;
@@ -99,4 +99,4 @@ Document StudyPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kMaxPlaces = 1800;
@@ -64,4 +64,4 @@ std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pa
   return maps;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

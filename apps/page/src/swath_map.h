@@ -7,7 +7,7 @@
 
 #include "result_folder.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 
 /// Returns a map of the strips of swaths.json and the paths of the body. It has no contents if the
 /// folder has no swaths.json.
@@ -25,4 +25,4 @@ struct PlacedPairs {
 /// without pairs.
 std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pairs);
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -4,7 +4,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kMostDesigns = 30;
@@ -115,4 +115,4 @@ Document SweepPage(const ResultFolder& folder) {
   return document;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

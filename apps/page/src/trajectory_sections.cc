@@ -5,7 +5,7 @@
 
 #include "sections.h"
 
-namespace dn::internal {
+namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kSigmaColumns = 10;
@@ -142,4 +142,4 @@ Section BiasCorrelationSection(const Facts& correlations) {
   return section;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::page_internal

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr std::size_t kSmrmsgColumns = 10;
-constexpr internal::RecordFormat<kSmrmsgColumns> kSmrmsg{
+constexpr geo_internal::RecordFormat<kSmrmsgColumns> kSmrmsg{
     "smrmsg",
     {"time", "rms of position north", "rms of position east", "rms of position down",
      "rms of velocity north", "rms of velocity east", "rms of velocity down", "rms of roll",
@@ -51,14 +51,14 @@ std::vector<EpochAccuracy> ReadText(const fs::path& file) {
 
 std::vector<EpochAccuracy> ReadSmrmsg(const fs::path& file) {
   const FileLocation where{file.string(), 0, 0};
-  auto records = internal::DecodeRecords(ReadWholeFile(file), kSmrmsg, where);
-  internal::MakeTimesContinuous(kSmrmsg, where, &records);
+  auto records = geo_internal::DecodeRecords(ReadWholeFile(file), kSmrmsg, where);
+  geo_internal::MakeTimesContinuous(kSmrmsg, where, &records);
   std::vector<EpochAccuracy> epochs;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const internal::Record<kSmrmsgColumns>& c = records[i];
+    const geo_internal::Record<kSmrmsgColumns>& c = records[i];
     epochs.push_back(
         {c[0], Vector3d(c[1], c[2], c[3]), Vector3d(c[7], c[8], c[9]) * kRadPerArcMinute});
-    ExpectUsable(epochs.back(), " of smrmsg " + internal::RecordName(i), where);
+    ExpectUsable(epochs.back(), " of smrmsg " + geo_internal::RecordName(i), where);
   }
   return epochs;
 }

@@ -12,7 +12,7 @@
 
 #include "time_continuation.h"
 
-namespace dn::internal {
+namespace dn::geo_internal {
 
 /// Format of a file of little-endian doubles, N per record; the first is the time.
 template <std::size_t N>
@@ -86,4 +86,4 @@ long MakeTimesContinuous(const RecordFormat<N>& format, const FileLocation& wher
   return static_cast<long>(all - n);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::geo_internal

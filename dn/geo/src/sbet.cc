@@ -12,7 +12,7 @@
 #include "trajectory_io.h"
 
 namespace dn {
-namespace internal {
+namespace geo_internal {
 namespace {
 
 constexpr std::size_t kSbetColumns = 17;
@@ -149,41 +149,41 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
   return Trajectory(std::move(points), std::move(notes));
 }
 
-}  // namespace internal
+}  // namespace geo_internal
 
 std::vector<NavPoint> ReadSbetThinned(const std::filesystem::path& file, double min_spacing_s) {
   TrajectoryNotes notes;
   std::vector<NavPoint> path;
-  for (const internal::SbetRecord& record : internal::ReadRecords(file, &notes)) {
+  for (const geo_internal::SbetRecord& record : geo_internal::ReadRecords(file, &notes)) {
     if (!path.empty() && record[0] < path.back().t_s + min_spacing_s) continue;
-    path.push_back(internal::RecordPoint(record));
+    path.push_back(geo_internal::RecordPoint(record));
   }
   return path;
 }
 
 std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar) {
   std::string out;
-  out.reserve(8 * internal::kSbetColumns * points.size());
+  out.reserve(8 * geo_internal::kSbetColumns * points.size());
   for (const NavPoint& point : points) {
     const Eigen::Vector3d rph_rad = RollPitchHeading(point.q_nb);
     const double wander_rad = adjusted_with_lidar ? -0.0 : 0.0;
-    const internal::SbetRecord record{point.t_s,
-                                      point.position.lat_rad,
-                                      point.position.lon_rad,
-                                      point.position.h_m,
-                                      point.v_ned_mps.x(),
-                                      point.v_ned_mps.y(),
-                                      point.v_ned_mps.z(),
-                                      rph_rad.x(),
-                                      rph_rad.y(),
-                                      rph_rad.z(),
-                                      wander_rad,
-                                      point.f_b_mps2.x(),
-                                      point.f_b_mps2.y(),
-                                      point.f_b_mps2.z(),
-                                      point.w_b_radps.x(),
-                                      point.w_b_radps.y(),
-                                      point.w_b_radps.z()};
+    const geo_internal::SbetRecord record{point.t_s,
+                                          point.position.lat_rad,
+                                          point.position.lon_rad,
+                                          point.position.h_m,
+                                          point.v_ned_mps.x(),
+                                          point.v_ned_mps.y(),
+                                          point.v_ned_mps.z(),
+                                          rph_rad.x(),
+                                          rph_rad.y(),
+                                          rph_rad.z(),
+                                          wander_rad,
+                                          point.f_b_mps2.x(),
+                                          point.f_b_mps2.y(),
+                                          point.f_b_mps2.z(),
+                                          point.w_b_radps.x(),
+                                          point.w_b_radps.y(),
+                                          point.w_b_radps.z()};
     for (const double value : record) AppendLittleEndian(value, out);
   }
   return out;

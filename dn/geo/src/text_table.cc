@@ -197,8 +197,8 @@ TextTable ReadTextTable(const std::filesystem::path& file,
 }
 
 long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep, double time_offset_s) {
-  using Verdict = internal::TimeContinuation::Verdict;
-  internal::TimeContinuation times;
+  using Verdict = geo_internal::TimeContinuation::Verdict;
+  geo_internal::TimeContinuation times;
   long dropped = 0;
   keep.clear();
   keep.reserve(table.rows());

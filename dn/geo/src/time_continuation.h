@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace dn::internal {
+namespace dn::geo_internal {
 
 /// A step back by a week counts as a rollover if the pause at the rollover is at most this long.
 inline constexpr double kLongestPauseAtRolloverS = 3600.0;
@@ -51,4 +51,4 @@ class TimeContinuation {
   double offset_s_ = 0.0;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::geo_internal

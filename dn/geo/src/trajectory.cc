@@ -124,8 +124,8 @@ Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryCol
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".out" || extension == ".sbet") return internal::ReadSbet(file);
-  return internal::ReadTrajectoryText(file, columns);
+  if (extension == ".out" || extension == ".sbet") return geo_internal::ReadSbet(file);
+  return geo_internal::ReadTrajectoryText(file, columns);
 }
 
 }  // namespace dn

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::geo_internal {
 
 /// Reads a trajectory in one of the two formats; see ReadTrajectory.
 Trajectory ReadSbet(const std::filesystem::path& file);
@@ -22,4 +22,4 @@ std::vector<Eigen::Vector3d> DifferentiatePositions(const std::vector<NavPoint>&
 std::vector<double> VelocityMisfits(const std::vector<NavPoint>& points,
                                     const std::vector<std::vector<Eigen::Vector3d>>& v_ned_mps);
 
-}  // namespace dn::internal
+}  // namespace dn::geo_internal

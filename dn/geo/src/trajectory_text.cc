@@ -10,7 +10,7 @@
 #include "trajectory_io.h"
 
 namespace dn {
-namespace internal {
+namespace geo_internal {
 namespace {
 
 using Attitude = TrajectoryColumns::Attitude;
@@ -90,7 +90,7 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, const Trajector
   return Trajectory(std::move(points), std::move(notes));
 }
 
-}  // namespace internal
+}  // namespace geo_internal
 
 std::string FormatTrajectoryText(const std::vector<NavPoint>& points) {
   std::string out;

@@ -3,7 +3,7 @@
 
 #include "trajectory_io.h"
 
-namespace dn::internal {
+namespace dn::geo_internal {
 namespace {
 
 constexpr double kWindowS = 1.0;
@@ -87,4 +87,4 @@ std::vector<double> VelocityMisfits(const std::vector<NavPoint>& points,
   return misfits_mps;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::geo_internal

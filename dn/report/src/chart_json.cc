@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace dn::internal {
+namespace dn::report_internal {
 namespace {
 
 Json ToDrawingJson(double value) {
@@ -117,4 +117,4 @@ std::string EscapeJson(const Json& json) {
   return text;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::report_internal

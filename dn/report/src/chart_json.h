@@ -3,7 +3,7 @@
 #include <dn/report/document.h>
 #include <dn/report/json.h>
 
-namespace dn::internal {
+namespace dn::report_internal {
 
 /// Returns a chart as JSON for page.js, with seven digits, which are enough for a picture.
 Json ChartJson(const Chart& chart);
@@ -11,4 +11,4 @@ Json ChartJson(const Chart& chart);
 /// Returns JSON for the inside of a script element; none of its texts can end the element.
 std::string EscapeJson(const Json& json);
 
-}  // namespace dn::internal
+}  // namespace dn::report_internal

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <thread>
 
-namespace dn::internal {
+namespace dn::report_internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -172,4 +172,4 @@ void ForbidGnuplot() noexcept {
   if (const int child = g_child; child > 0) ::kill(child, SIGKILL);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::report_internal

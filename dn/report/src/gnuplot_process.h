@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace dn::internal {
+namespace dn::report_internal {
 
 /// Returns the output of gnuplot for a script. Returns nullopt if it cannot be started, fails,
 /// takes longer than 20 s, or is killed because `interrupted` returned true.
@@ -14,4 +14,4 @@ std::optional<std::string> RunGnuplot(const std::string& script,
 /// Kills a running gnuplot and prevents further ones.
 void ForbidGnuplot() noexcept;
 
-}  // namespace dn::internal
+}  // namespace dn::report_internal

@@ -6,13 +6,13 @@
 #include "chart_json.h"
 
 namespace dn {
-namespace internal {
+namespace report_internal {
 
 // Contents of the files in dn/report/page and dn/report/vendor.
 extern const std::string_view page_style, page_script, uplot_style, uplot_script, uplot_version,
     uplot_licence, d3_script, d3_version, d3_licence, plot_script, plot_version, plot_licence;
 
-}  // namespace internal
+}  // namespace report_internal
 namespace {
 
 // The page loads nothing from outside, even if a text of the flight contains HTML.
@@ -93,8 +93,8 @@ class Page {
         "href=\"data:,\">\n",
         kPolicy);
     head += Element("title", document.title) + "<style>\n";
-    if (has_series_) head += internal::uplot_style;
-    head += internal::page_style;
+    if (has_series_) head += report_internal::uplot_style;
+    head += report_internal::page_style;
     return head + "</style>\n</head>\n";
   }
 
@@ -104,10 +104,11 @@ class Page {
       return "<script>\n" + std::string(text) + "\n</script>\n";
     };
     std::string text = "<script type=\"application/json\" id=\"dn-data\">" +
-                       internal::EscapeJson({{"charts", charts_}}) + "</script>\n";
-    if (has_series_) text += script(internal::uplot_script);
-    if (has_pictures_) text += script(internal::d3_script) + script(internal::plot_script);
-    return text + script(internal::page_script);
+                       report_internal::EscapeJson({{"charts", charts_}}) + "</script>\n";
+    if (has_series_) text += script(report_internal::uplot_script);
+    if (has_pictures_)
+      text += script(report_internal::d3_script) + script(report_internal::plot_script);
+    return text + script(report_internal::page_script);
   }
 
   std::string Libraries() const {
@@ -115,10 +116,10 @@ class Page {
     const auto add = [&](std::string_view version, std::string_view licence) {
       text += Element("h3", std::string(version)) + Element("pre", std::string(licence));
     };
-    if (has_series_) add(internal::uplot_version, internal::uplot_licence);
+    if (has_series_) add(report_internal::uplot_version, report_internal::uplot_licence);
     if (has_pictures_) {
-      add(internal::plot_version, internal::plot_licence);
-      add(internal::d3_version, internal::d3_licence);
+      add(report_internal::plot_version, report_internal::plot_licence);
+      add(report_internal::d3_version, report_internal::d3_licence);
     }
     if (text.empty()) return "";
     return "<details><summary>Libraries that draw the charts, and their licences</summary>\n" +
@@ -201,7 +202,7 @@ class Page {
   std::string Html(const Chart& chart) {
     const bool series = std::holds_alternative<SeriesChart>(chart);
     (series ? has_series_ : has_pictures_) = true;
-    charts_.push_back(internal::ChartJson(chart));
+    charts_.push_back(report_internal::ChartJson(chart));
     const std::string title = std::visit([](const auto& one) { return one.title; }, chart);
     return fmt::format(
         "<figure data-chart=\"{}\"><figcaption>{}</figcaption><div></div></figure>\n",

@@ -109,11 +109,11 @@ std::optional<std::string> DrawSvg(const std::string& title, const std::string& 
                                    const std::function<bool()>& interrupted) {
   if (panels.empty()) return std::nullopt;
   std::optional<std::string> svg =
-      internal::RunGnuplot(Script(title, x_label, panels), interrupted);
+      report_internal::RunGnuplot(Script(title, x_label, panels), interrupted);
   if (!svg || svg->find("</svg>") == std::string::npos) return std::nullopt;
   return svg;
 }
 
-void EndDrawing() noexcept { internal::ForbidGnuplot(); }
+void EndDrawing() noexcept { report_internal::ForbidGnuplot(); }
 
 }  // namespace dn

@@ -24,7 +24,7 @@ Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
   if (!flight.imu || !flight.gnss) {
     throw InvalidInput("adjustment: the flight has no inertial or GNSS data");
   }
-  if (options.with_pairs) internal::ExpectPairs(flight);
+  if (options.with_pairs) adjustment_internal::ExpectPairs(flight);
   const auto start = std::chrono::steady_clock::now();
   AdjustmentRun run(flight, options);
   const auto& stages = options.stages.empty() ? DefaultStages(options.with_pairs) : options.stages;

@@ -3,7 +3,7 @@
 #include <dn/error.h>
 #include <dn/files/flight.h>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Throws InvalidInput if the flight has no pairs.
 inline void ExpectPairs(const Flight& flight) {
@@ -11,4 +11,4 @@ inline void ExpectPairs(const Flight& flight) {
   throw InvalidInput("adjustment: the flight has no point-to-point pairs");
 }
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

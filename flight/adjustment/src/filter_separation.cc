@@ -50,10 +50,10 @@ SeparationAt FilterSeparation::Max() const {
 }
 
 FilterSeparation SeparateFilters(const Adjustment& adjustment) {
-  const internal::DiffusePriorFilter filter(adjustment);
+  const adjustment_internal::DiffusePriorFilter filter(adjustment);
   const DirectedRun forward = filter.Run(FilterDirection::kForward);
   const DirectedRun reverse = filter.Run(FilterDirection::kReverse);
-  const double aligned_rad = kAlignedShare * internal::DiffuseAttitudeSigma().z();
+  const double aligned_rad = kAlignedShare * adjustment_internal::DiffuseAttitudeSigma().z();
   std::map<double, const FilterState*> later;
   for (std::size_t k = 0; k < reverse.states.size(); ++k) {
     const FilterState& state = reverse.states[k];

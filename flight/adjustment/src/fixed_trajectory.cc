@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -115,4 +115,4 @@ void AddWideningReason(const CorrelatedErrorCovariance& scatter, const Trajector
   boresight->reasons.push_back({std::move(fact)});
 }
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

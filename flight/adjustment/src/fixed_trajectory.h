@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 // The methods on a fixed trajectory share the functions of this file.
 
@@ -60,4 +60,4 @@ void FillBoresight(const CorrelatedErrorCovariance& scatter, Calibration* calibr
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,
                        const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -51,7 +51,8 @@ facts::AttitudeInPairs AttitudeErrors(const GaussHelmertCalibration& calibration
   fact.change_m = LargestChange(calibration.problem, fact.sigma_rph_rad);
   fact.range_m = calibration.mean_range_m;
   fact.pair_sigma_m = PairSigma(calibration.problem);
-  fact.size = internal::ClassifyAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
+  fact.size = adjustment_internal::ClassifyAttitudeError(fact.change_m, fact.pair_sigma_m,
+                                                         fact.sigma_rph_rad);
   return fact;
 }
 
@@ -70,7 +71,7 @@ Eigen::Matrix3d DifferenceCovariance(const Eigen::Matrix3d& C_a, const Eigen::Ma
 
 }  // namespace
 
-namespace internal {
+namespace adjustment_internal {
 
 double MeanRange(const GaussHelmertProblem& problem) {
   double sum_m = 0.0;
@@ -105,7 +106,7 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   }
 }
 
-}  // namespace internal
+}  // namespace adjustment_internal
 
 namespace {
 

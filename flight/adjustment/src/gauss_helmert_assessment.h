@@ -2,7 +2,7 @@
 
 #include <dn/adjustment/gauss_helmert_flight.h>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Returns the mean length of the laser vectors, m.
 double MeanRange(const GaussHelmertProblem& problem);
@@ -10,4 +10,4 @@ double MeanRange(const GaussHelmertProblem& problem);
 /// Fills in the verdict and the reasons of an otherwise complete calibration.
 void Assess(const Flight& flight, GaussHelmertCalibration* calibration);
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -111,8 +111,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
     if (options.interrupted && options.interrupted()) throw Interrupted();
     if (options.progress) options.progress(name);
   };
-  internal::CheckEstimate(flight.config, "the Gauss-Helmert adjustment");
-  internal::CheckTrajectory(flight);
+  adjustment_internal::CheckEstimate(flight.config, "the Gauss-Helmert adjustment");
+  adjustment_internal::CheckTrajectory(flight);
   const auto start = Clock::now();
   GaussHelmertCalibration calibration;
   stage("poses of the pairs");
@@ -133,14 +133,15 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
   const std::vector<StripInterval> strips = FindStrips(flight);
-  calibration.mean_range_m = internal::MeanRange(calibration.problem);
-  calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);
+  calibration.mean_range_m = adjustment_internal::MeanRange(calibration.problem);
+  calibration.diversity =
+      adjustment_internal::DescribeStrips(flight, strips, calibration.mean_range_m);
   calibration.scatter = EstimateCorrelatedErrorCovariance(
       calibration.problem, calibration.adjustment, calibration.options.model,
-      internal::MakeScatterOptions(calibration.accuracy, strips));
-  internal::FillBoresight(calibration.scatter, &calibration);
+      adjustment_internal::MakeScatterOptions(calibration.accuracy, strips));
+  adjustment_internal::FillBoresight(calibration.scatter, &calibration);
   FillFigures(&calibration);
-  internal::Assess(flight, &calibration);
+  adjustment_internal::Assess(flight, &calibration);
   calibration.covariance_time_s = SecondsSince(covariance_start);
   return calibration;
 }

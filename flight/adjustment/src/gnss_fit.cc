@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 namespace {
 
 constexpr double kHopelessSigmas = 30.0;
@@ -32,4 +32,4 @@ bool ClockMayExplain(const FlightNetwork& network, double before, double after) 
   return after < kLargestShareLeft * before || !IsHopeless(network);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -2,7 +2,7 @@
 
 #include <dn/builder/flight_network.h>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Returns whether the median residual of the GNSS positions in use exceeds 30 sigmas. Neither
 /// noise, time-correlated errors nor outliers can cause this. Wrong axes, units or coordinates
@@ -14,4 +14,4 @@ bool IsHopeless(const FlightNetwork& network);
 /// If the clock is the cause, the cost halves many times.
 bool ClockMayExplain(const FlightNetwork& network, double before, double after);
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

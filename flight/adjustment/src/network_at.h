@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Returns a new INS/GNSS network of the run's flight. Its GNSS epochs are at the times that the
 /// calibration gives for their tags, and it starts from the run's present trajectory. An effect
@@ -12,4 +12,4 @@ namespace dn::internal {
 std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
                                              const CalibrationState& calibration);
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 namespace {
 
 /// Returns the flight with GNSS tags corrected by the calibration, and removes the clock effects
@@ -76,4 +76,4 @@ DirectedRun DiffusePriorFilter::Run(FilterDirection direction) const {
   return RunFilter(flight(), times_, start, direction, options_);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// A filter that starts at either end of the adjusted trajectory with a diffuse prior. It uses the
 /// calibration of the adjustment and the GNSS data that the adjustment has kept. The adjustment
@@ -35,4 +35,4 @@ class DiffusePriorFilter {
 /// Returns the initial standard deviations of roll, pitch and heading, rad.
 Eigen::Vector3d DiffuseAttitudeSigma();
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

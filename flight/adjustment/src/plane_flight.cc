@@ -57,7 +57,8 @@ facts::AttitudeInPairs AttitudeErrors(const PlaneCalibration& calibration) {
   fact.change_m = std::sqrt(change2 / n);
   fact.pair_sigma_m = std::sqrt(noise2 / n);
   fact.range_m = calibration.mean_range_m;
-  fact.size = internal::ClassifyAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
+  fact.size = adjustment_internal::ClassifyAttitudeError(fact.change_m, fact.pair_sigma_m,
+                                                         fact.sigma_rph_rad);
   return fact;
 }
 
@@ -77,8 +78,8 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
   if (!diversity.sufficient()) {
     boresight.reasons.push_back({facts::StripsAlike{diversity.strips}});
   }
-  internal::AddWideningReason(calibration->scatter.trajectory, calibration->accuracy,
-                              calibration->constant_rad2, &boresight);
+  adjustment_internal::AddWideningReason(calibration->scatter.trajectory, calibration->accuracy,
+                                         calibration->constant_rad2, &boresight);
   for (const EstimateEntry& entry : flight.config.estimate) {
     if (entry.unknown == "boresight" || IsEffect(entry.unknown, kRangeOffset)) continue;
     boresight.reasons.push_back({facts::NotEstimated{entry.unknown,
@@ -123,7 +124,7 @@ double MeanRange(const std::vector<const GaussHelmertEnd*>& ends) {
 }  // namespace
 
 PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<ObservedPlane> planes) {
-  internal::CheckEstimate(flight.config, "the plane adjustment");
+  adjustment_internal::CheckEstimate(flight.config, "the plane adjustment");
   const LidarConfig& lidar = *flight.config.lidar;
   PlaneProblem problem;
   problem.lever_arm_b_m = lidar.mounting.lever_arm_b_m;
@@ -161,7 +162,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
     if (options.interrupted && options.interrupted()) throw Interrupted();
     if (options.progress) options.progress(name);
   };
-  internal::CheckTrajectory(flight);
+  adjustment_internal::CheckTrajectory(flight);
   const auto start = Clock::now();
   PlaneCalibration calibration;
   calibration.problem = MakePlaneProblem(flight, std::move(planes));
@@ -184,12 +185,13 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
   const std::vector<const GaussHelmertEnd*> ends = KeptEnds(calibration);
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = MeanRange(ends);
-  calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);
-  calibration.accuracy = internal::ReadAccuracyAt(flight, ends);
-  calibration.scatter =
-      EstimateCorrelatedErrorCovariance(calibration.problem, calibration.adjustment,
-                                        internal::MakeScatterOptions(calibration.accuracy, strips));
-  internal::FillBoresight(calibration.scatter.trajectory, &calibration);
+  calibration.diversity =
+      adjustment_internal::DescribeStrips(flight, strips, calibration.mean_range_m);
+  calibration.accuracy = adjustment_internal::ReadAccuracyAt(flight, ends);
+  calibration.scatter = EstimateCorrelatedErrorCovariance(
+      calibration.problem, calibration.adjustment,
+      adjustment_internal::MakeScatterOptions(calibration.accuracy, strips));
+  adjustment_internal::FillBoresight(calibration.scatter.trajectory, &calibration);
   FillFigures(&calibration);
   FillUnknowns(&calibration);
   Assess(flight, &calibration);

@@ -1,8 +1,8 @@
 #pragma once
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Largest number of times that a stage integrates the IMU data again for changed biases.
 inline constexpr int kMaxRepreintegrations = 4;
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -44,7 +44,7 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
 // prior. The first ones are left out, until the filter has converged.
 void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   constexpr double kSettleS = 30.0;
-  const internal::DiffusePriorFilter filter(adjustment);
+  const adjustment_internal::DiffusePriorFilter filter(adjustment);
   const FilterRun run = filter.Run(FilterDirection::kForward);
   const double settled_s = filter.times().front() + kSettleS;
   const std::vector<std::string> axes{"east", "north", "up"};

@@ -3,7 +3,7 @@
 #include <dn/files/flight_config.h>
 #include <dn/network.h>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Returns the loss that the configuration names, with the width of `usual`; returns `usual` if it
 /// names none.
@@ -19,4 +19,4 @@ inline Loss ConfiguredLoss(RobustKind configured, const Loss& usual) {
   return usual;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

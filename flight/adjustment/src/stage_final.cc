@@ -14,7 +14,7 @@ constexpr double kMaxBiasChange = 0.02;
 void SolveFinally(AdjustmentRun& run) {
   run.SetGnssLoss({});
   run.SetPairLoss({});
-  for (int k = 0; k <= internal::kMaxRepreintegrations; ++k) {
+  for (int k = 0; k <= adjustment_internal::kMaxRepreintegrations; ++k) {
     const bool biases_unchanged = run.network().inertial().BiasChange() < kMaxBiasChange;
     if (k > 0 && biases_unchanged) break;
     if (!biases_unchanged) run.network().Repreintegrate();

@@ -186,7 +186,7 @@ class EpochScreener {
     const CostSummary now = EvaluateCost(network.net(), run_.options().threads);
     const double before = run_.has_swapped_network() ? held_.cost : now.cost;
     const double after = run_.has_swapped_network() ? free_.cost : now.cost;
-    if (!internal::ClockMayExplain(network, before, after)) FailFit(now.sigma0(), run_);
+    if (!adjustment_internal::ClockMayExplain(network, before, after)) FailFit(now.sigma0(), run_);
   }
 
   /// Adds a warning and returns false. Throws InvalidInput if a clock steps, which no constant
@@ -242,12 +242,12 @@ class EpochScreener {
     CalibrationState calibration = run_.network().calibration().State();
     AddTo(kOffset, start[0], &calibration);
     AddTo(kDrift, start[1], &calibration);
-    run_.SwapNetworkIn(internal::RemakeNetwork(run_, calibration));
+    run_.SwapNetworkIn(adjustment_internal::RemakeNetwork(run_, calibration));
     for (const EffectId effect : {kOffset, kDrift}) {
       run_.network().net().Hold(run_.network().net().Find(EffectName(effect)), false);
     }
     SolveInsGnss(run_);
-    if (internal::ClockMayExplain(run_.network(), held_.cost, run_.result().cost)) {
+    if (adjustment_internal::ClockMayExplain(run_.network(), held_.cost, run_.result().cost)) {
       SettleGnssClock(run_);
     }
     free_ = EvaluateCost(run_.network().net(), run_.options().threads);
@@ -313,11 +313,14 @@ LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
 }
 
 void SolveInsGnss(AdjustmentRun& run) {
-  run.SetGnssLoss(internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
+  run.SetGnssLoss(
+      adjustment_internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
-  for (int k = 0;
-       k < internal::kMaxRepreintegrations && run.network().inertial().BiasChange() > 1.0; ++k) {
-    if (k > 0 && internal::IsHopeless(run.network())) break;  // another cause drives the biases
+  for (int k = 0; k < adjustment_internal::kMaxRepreintegrations &&
+                  run.network().inertial().BiasChange() > 1.0;
+       ++k) {
+    if (k > 0 && adjustment_internal::IsHopeless(run.network()))
+      break;  // another cause drives the biases
     run.network().Repreintegrate();
     run.Solve("INS/GNSS, new increments", run.options().max_iterations);
   }

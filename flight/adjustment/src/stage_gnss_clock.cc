@@ -32,9 +32,10 @@ void SettleGnssClock(AdjustmentRun& run) {
   for (int k = 0; k < kMaxClockSteps && LongestNodeInterval(run.network()) > kMaxNodeInterval_s;
        ++k) {
     const double before = run.result().cost;
-    run.result().network = internal::RemakeNetwork(run, run.network().calibration().State());
+    run.result().network =
+        adjustment_internal::RemakeNetwork(run, run.network().calibration().State());
     SolveInsGnss(run);
-    if (!internal::ClockMayExplain(run.network(), before, run.result().cost)) break;
+    if (!adjustment_internal::ClockMayExplain(run.network(), before, run.result().cost)) break;
   }
 }
 

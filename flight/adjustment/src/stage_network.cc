@@ -60,7 +60,7 @@ std::vector<FilterState> NodeStates(const FlightNetwork& network) {
 
 }  // namespace
 
-namespace internal {
+namespace adjustment_internal {
 
 std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
                                              const CalibrationState& calibration) {
@@ -79,7 +79,7 @@ std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
   return network;
 }
 
-}  // namespace internal
+}  // namespace adjustment_internal
 
 void MakeNetwork(AdjustmentRun& run) {
   run.Announce("alignment");
@@ -103,7 +103,7 @@ void UseInertialRate(AdjustmentRun& run) {
   run.Announce("inertial rate");
   run.TakeRawInertial();
   std::unique_ptr<FlightNetwork> network =
-      internal::RemakeNetwork(run, run.network().calibration().State());
+      adjustment_internal::RemakeNetwork(run, run.network().calibration().State());
   if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);

@@ -27,7 +27,7 @@ void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
 }  // namespace
 
 void AddPairs(AdjustmentRun& run) {
-  internal::ExpectPairs(run.flight());
+  adjustment_internal::ExpectPairs(run.flight());
   const std::vector<LidarPair>& pairs = run.flight().pairs->pairs;
   ExpectSeveralEpochs(pairs);
   run.network().AddPairs(pairs);
@@ -40,7 +40,8 @@ void AddPairs(AdjustmentRun& run) {
 }
 
 void SolvePairsRobustly(AdjustmentRun& run) {
-  run.SetPairLoss(internal::ConfiguredLoss(run.flight().config.lidar->robust, kUsualPairLoss));
+  run.SetPairLoss(
+      adjustment_internal::ConfiguredLoss(run.flight().config.lidar->robust, kUsualPairLoss));
   run.Solve("lidar, robust", kRobustIterations, AdjustmentRun::kRoughSigmas);
 }
 

@@ -65,8 +65,8 @@ PoseCovariance ToMapPoses(const Flight& flight, const TrajectoryCovariance& stat
   PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
   for (std::size_t k = 0; k < out.t_s.size(); ++k) {
     const NavPoint& point = flight.trajectory->FirstPointAtOrAfter(out.t_s[k]);
-    internal::RotatePosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
-                             &out.covariance);
+    adjustment_internal::RotatePosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
+                                        &out.covariance);
   }
   try {
     out.Validate();
@@ -136,11 +136,11 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
     ends.push_back(&pair.i);
     ends.push_back(&pair.j);
   }
-  return internal::ReadAccuracyAt(flight, ends);
+  return adjustment_internal::ReadAccuracyAt(flight, ends);
 }
 
-TrajectoryAccuracy internal::ReadAccuracyAt(const Flight& flight,
-                                            const std::vector<const GaussHelmertEnd*>& ends) {
+TrajectoryAccuracy adjustment_internal::ReadAccuracyAt(
+    const Flight& flight, const std::vector<const GaussHelmertEnd*>& ends) {
   const AccuracyFiles files = FindAccuracyFiles(flight.config);
   std::optional<AccuracySeries> series;
   if (files.series) series.emplace(*files.series);

@@ -69,7 +69,8 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
   }
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const Eigen::Vector3d p_mb = network.trajectory().NodePose(chosen[k].node).p_mb;
-    internal::RotatePosition(network.flight().frame.R_m_enu(p_mb).transpose(), k, &out.covariance);
+    adjustment_internal::RotatePosition(network.flight().frame.R_m_enu(p_mb).transpose(), k,
+                                        &out.covariance);
   }
   out.covariance = (0.5 * (out.covariance + out.covariance.transpose())).eval();
   return out;

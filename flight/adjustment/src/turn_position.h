@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace dn::internal {
+namespace dn::adjustment_internal {
 
 /// Rotates the position of one epoch by R in a joint covariance of poses, with six rows per pose,
 /// position first.
@@ -13,4 +13,4 @@ inline void RotatePosition(const Eigen::Matrix3d& R, std::size_t epoch,
   covariance->middleCols<3>(at) = covariance->middleCols<3>(at) * R.transpose();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::adjustment_internal

@@ -4,11 +4,11 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::builder_internal {
 
 /// Appends `more` to a list of blocks.
 inline void Append(const std::vector<BlockId>& more, std::vector<BlockId>* blocks) {
   blocks->insert(blocks->end(), more.begin(), more.end());
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

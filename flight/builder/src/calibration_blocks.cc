@@ -104,13 +104,13 @@ void CalibrationBlocks::AddPriors() {
         net_.Add(PriorLeftRotation(Exp(config.lidar->mounting.boresight_rad),
                                    Noise<3>::Sigma(*config.lidar->boresight_sigma_rad)),
                  boresight_);
-    net_.Tag(id, internal::PriorGroup(), nan);
+    net_.Tag(id, builder_internal::PriorGroup(), nan);
   }
   for (const EstimateEntry& entry : config.estimate) {
     if (entry.unknown == "boresight" || entry.sigma.empty()) continue;
     const BlockId block = net_.Find(entry.unknown);
     net_.Tag(AddPrior(block, AssumedValue(flight_, entry.unknown), *PriorSigma(entry), &net_),
-             internal::PriorGroup(), nan);
+             builder_internal::PriorGroup(), nan);
   }
 }
 

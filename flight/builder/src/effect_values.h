@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::builder_internal {
 
 /// Returns the effects of a calibration on one sensor.
 template <class Effect>
@@ -33,4 +33,4 @@ inline ImuCorrection CorrectionWith(const CalibrationState& state, const ImuCorr
   return state.ImuAt(biases.gyro_bias_radps, biases.accel_bias_mps2);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

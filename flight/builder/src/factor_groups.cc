@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 std::vector<RowName> EastNorthUp() { return {{"east"}, {"north"}, {"up"}}; }
@@ -57,4 +57,4 @@ const FactorGroup& PriorGroup() {
   return group;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -2,7 +2,7 @@
 
 #include <dn/factor_group.h>
 
-namespace dn::internal {
+namespace dn::builder_internal {
 
 /// These functions return the factor groups of a flight, with their names in reports.
 const FactorGroup& InertialGroup();
@@ -13,4 +13,4 @@ const FactorGroup& BiasProcessGroup(bool gyro);
 const FactorGroup& GnssErrorGroup();
 const FactorGroup& PriorGroup();
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -59,7 +59,7 @@ FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
   }
   const std::size_t k = NodeBefore(node_t_s, t_s + kSameNodeS);
   const ImuCorrection correction =
-      internal::CorrectionWith(calibration().State(), trajectory().BiasesAt(node_t_s[k]));
+      builder_internal::CorrectionWith(calibration().State(), trajectory().BiasesAt(node_t_s[k]));
   const Preintegrated increments =
       t_s - node_t_s[k] > kSameNodeS
           ? Preintegrate(*flight().imu, node_t_s[k], t_s, correction, parts_->context.noise)

@@ -36,18 +36,18 @@ void GnssEdges::Add(std::size_t epoch_index, std::size_t node,
   if (!effects.empty() || !errors.empty()) {
     position = antenna;
     for (const ProcessChain& chain : errors) position.push_back(chain.At(epoch.t_s).id);
-    internal::Append(effects, &position);
+    builder_internal::Append(effects, &position);
   }
   if (!effects.empty()) {
     velocity = antenna;
-    internal::Append(effects, &velocity);
+    builder_internal::Append(effects, &velocity);
   }
   GnssEdge edge{node, epoch_index, -1, -1};
   edge.position = context_.factors.Add(PositionFactor(edge, calibration), position,
-                                       internal::GnssPositionGroup(), epoch.t_s);
+                                       builder_internal::GnssPositionGroup(), epoch.t_s);
   if (UsesVelocity(epoch, *context_.flight.config.gnss)) {
     edge.velocity = context_.factors.Add(VelocityFactor(edge, calibration), velocity,
-                                         internal::GnssVelocityGroup(), epoch.t_s);
+                                         builder_internal::GnssVelocityGroup(), epoch.t_s);
   }
   edges_.push_back(edge);
 }

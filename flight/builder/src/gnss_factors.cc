@@ -12,10 +12,10 @@
 namespace dn {
 namespace {
 
-using internal::CorrectionWith;
-using internal::EffectValues;
-using internal::MeasurementNoise;
-using internal::SharedEffects;
+using builder_internal::CorrectionWith;
+using builder_internal::EffectValues;
+using builder_internal::MeasurementNoise;
+using builder_internal::SharedEffects;
 
 constexpr const char* kCheckGnss = "check its sigmas and gnss.sigma_scale";
 

@@ -48,10 +48,11 @@ InertialEdges::InertialEdges(const EdgeContext& context) : context_(context) {
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const std::size_t i = edges_[e].node_i;
     std::vector<BlockId> blocks = trajectory.NodeIds(i);
-    internal::Append(trajectory.NodeIds(i + 1), &blocks);
-    internal::Append(trajectory.BiasIds(i), &blocks);
-    internal::Append(effects, &blocks);
-    edges_[e].id = context_.factors.Add(factors[e], blocks, internal::InertialGroup(), node_t_s[i]);
+    builder_internal::Append(trajectory.NodeIds(i + 1), &blocks);
+    builder_internal::Append(trajectory.BiasIds(i), &blocks);
+    builder_internal::Append(effects, &blocks);
+    edges_[e].id =
+        context_.factors.Add(factors[e], blocks, builder_internal::InertialGroup(), node_t_s[i]);
   }
 }
 
@@ -87,16 +88,18 @@ std::shared_ptr<const PreintegratedInertial> InertialEdges::Factor(
     const InertialEdge& edge, const CalibrationState& calibration) const {
   const std::vector<double>& node_t_s = context_.trajectory.node_times();
   const double t_s = node_t_s[edge.node_i];
-  const Preintegrated increments = Preintegrate(
-      *context_.flight.imu, t_s, node_t_s[edge.node_i + 1],
-      internal::CorrectionWith(calibration, context_.trajectory.BiasesAt(t_s)), context_.noise);
+  const Preintegrated increments =
+      Preintegrate(*context_.flight.imu, t_s, node_t_s[edge.node_i + 1],
+                   builder_internal::CorrectionWith(calibration, context_.trajectory.BiasesAt(t_s)),
+                   context_.noise);
   return FactorOn(increments, edge, calibration);
 }
 
 std::shared_ptr<const PreintegratedInertial> InertialEdges::FactorByMeans(
     const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const {
   Preintegrated increments = FactorInUse(edge)->increments();
-  const ImuCorrection correction = internal::CorrectionWith(calibration, increments.linearisation);
+  const ImuCorrection correction =
+      builder_internal::CorrectionWith(calibration, increments.linearisation);
   if (!correction.effects.empty()) {
     increments.J_effects =
         Preintegrate(imu, increments.t_begin_s, increments.t_end_s, correction, {}).J_effects;

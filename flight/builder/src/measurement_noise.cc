@@ -1,7 +1,7 @@
 #include <dn/builder/measurement_noise.h>
 #include <fmt/format.h>
 
-namespace dn::internal {
+namespace dn::builder_internal {
 
 Noise<3> MeasurementNoise(const Eigen::Matrix3d& covariance, const std::string& what, double t_s,
                           const std::string& check) {
@@ -14,4 +14,4 @@ Noise<3> MeasurementNoise(const Eigen::Matrix3d& covariance, const std::string& 
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -91,8 +91,8 @@ void PairEdges::Add(const std::vector<LidarPair>& pairs) {
   }
   ForFactors(edges, calibration, [&](PairEdge& edge, const auto& make) {
     std::vector<BlockId> blocks = Blocks(edge);
-    internal::Append(effects, &blocks);
-    edge.id = context_.factors.Add(make(), blocks, internal::PairGroup(), edge.pair.t_i_s);
+    builder_internal::Append(effects, &blocks);
+    edge.id = context_.factors.Add(make(), blocks, builder_internal::PairGroup(), edge.pair.t_i_s);
     edges_.push_back(std::move(edge));
   });
 }
@@ -139,13 +139,13 @@ std::vector<BlockId> PairEdges::Blocks(const PairEdge& edge) const {
   const TrajectoryGraph& trajectory = context_.trajectory;
   const CalibrationBlocks& calibration = context_.calibration;
   std::vector<BlockId> blocks = trajectory.NodeIds(edge.node_i);
-  internal::Append(trajectory.NodeIds(edge.node_j), &blocks);
-  internal::Append({calibration.boresight().id, calibration.lidar_lever_arm().id,
-                    calibration.lidar_time_offset().id},
-                   &blocks);
+  builder_internal::Append(trajectory.NodeIds(edge.node_j), &blocks);
+  builder_internal::Append({calibration.boresight().id, calibration.lidar_lever_arm().id,
+                            calibration.lidar_time_offset().id},
+                           &blocks);
   if (edge.bridge_i) blocks.push_back(trajectory.nodes()[edge.node_i + 1].q_mb.id);
   if (edge.bridge_j) blocks.push_back(trajectory.nodes()[edge.node_j + 1].q_mb.id);
-  if (model_) internal::Append(model_->blocks, &blocks);
+  if (model_) builder_internal::Append(model_->blocks, &blocks);
   return blocks;
 }
 

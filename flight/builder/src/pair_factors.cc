@@ -54,8 +54,8 @@ LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, do
 }  // namespace
 
 PairCalibration::PairCalibration(const CalibrationState& state)
-    : state_(state), lidar_(internal::SharedEffects<LidarEffect>(state)) {
-  const std::vector<const double*> values = internal::EffectValues<LidarEffect>(state);
+    : state_(state), lidar_(builder_internal::SharedEffects<LidarEffect>(state)) {
+  const std::vector<const double*> values = builder_internal::EffectValues<LidarEffect>(state);
   std::vector<std::shared_ptr<const LidarEffect>> not_zero;
   for (std::size_t k = 0; k < values.size(); ++k) {
     const auto past = values[k] + lidar_[k]->components();
@@ -71,7 +71,7 @@ EndIncrements::EndIncrements(const ImuData& imu, const CalibrationState& calibra
                              const ImuCorrection& biases)
     : imu_(imu),
       node_t_s_(node_t_s),
-      correction_(internal::CorrectionWith(calibration, biases)),
+      correction_(builder_internal::CorrectionWith(calibration, biases)),
       growing_(imu_, node_t_s, correction_, noise) {}
 
 Preintegrated EndIncrements::To(double epoch_s) {
@@ -90,8 +90,8 @@ PreparedPair PreparePair(const Flight& flight, const PairCalibration& calibratio
       PrepareEnd(flight, calibration, pair.t_j_s, pair.u_j_s, std::move(j), &covariance_m2);
   return {std::move(end_i), std::move(end_j), lidar.mounting.R_bs_nominal,
           calibration.state().lidar_time_offset_s,
-          internal::MeasurementNoise(0.5 * (covariance_m2 + covariance_m2.transpose()),
-                                     "the point pair", pair.t_i_s, kCheckPair)};
+          builder_internal::MeasurementNoise(0.5 * (covariance_m2 + covariance_m2.transpose()),
+                                             "the point pair", pair.t_i_s, kCheckPair)};
 }
 
 std::shared_ptr<const FactorBase> MakePairFactor(const LocalFrame& frame,

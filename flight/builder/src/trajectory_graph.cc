@@ -85,14 +85,14 @@ void TrajectoryGraph::AddBiases(const InitialStates& initial, const IntervalLimi
     }
     return out;
   };
-  const FactorGroup& prior = internal::PriorGroup();
+  const FactorGroup& prior = builder_internal::PriorGroup();
   gyro_bias_ = AddBiasChains(model.gyro, intervals(model.gyro),
                              {"gyro_bias/",
                               "gyro bias",
                               {"x", "y", "z"},
                               "deg/h",
                               kDegPerRad * 3600.0,
-                              internal::BiasProcessGroup(true),
+                              builder_internal::BiasProcessGroup(true),
                               prior},
                              initial.gyro_bias_radps, &net_);
   accel_bias_ = AddBiasChains(model.accel, intervals(model.accel),
@@ -101,7 +101,7 @@ void TrajectoryGraph::AddBiases(const InitialStates& initial, const IntervalLimi
                                {"x", "y", "z"},
                                "mg",
                                1e3 / kStandardGravityMps2,
-                               internal::BiasProcessGroup(false),
+                               builder_internal::BiasProcessGroup(false),
                                prior},
                               initial.accel_bias_mps2, &net_);
 }
@@ -129,8 +129,8 @@ void TrajectoryGraph::AddGnssErrors(const IntervalLimits& limits) {
                                            {"east", "north", "up"},
                                            "sigma",
                                            1.0,
-                                           internal::GnssErrorGroup(),
-                                           internal::PriorGroup()},
+                                           builder_internal::GnssErrorGroup(),
+                                           builder_internal::PriorGroup()},
                                           Eigen::Vector3d::Zero(), &net_));
   }
 }

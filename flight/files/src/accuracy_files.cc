@@ -46,7 +46,7 @@ std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
 }
 
 std::optional<fs::path> IfThere(const fs::path& file) {
-  return internal::IsThere(file) ? std::optional(file) : std::nullopt;
+  return files_internal::IsThere(file) ? std::optional(file) : std::nullopt;
 }
 
 }  // namespace

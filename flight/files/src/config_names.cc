@@ -2,7 +2,7 @@
 
 #include <dn/geo/local_frame.h>
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 const Words<RobustKind>& RobustWords() {
   static const Words<RobustKind> words{
@@ -93,4 +93,4 @@ const Words<NetworkConfig::Inertial>& InertialWords() {
   return words;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// The words of flight.yaml and their values.
 template <class T>
@@ -38,4 +38,4 @@ std::string FindWord(const T& value, const Words<T>& words) {
   return {};
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

@@ -7,7 +7,7 @@
 
 #include "config_names.h"
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// Least standard deviation, m; the same limit holds for every number that must be positive.
 inline constexpr double kLeastSigmaM = 1e-12;
@@ -56,4 +56,4 @@ struct ProcessKeys {
 const ProcessKeys& GyroKeys();
 const ProcessKeys& AccelKeys();
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

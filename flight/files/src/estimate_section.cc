@@ -5,7 +5,7 @@
 #include "config_sections.h"
 
 namespace dn {
-namespace internal {
+namespace files_internal {
 namespace {
 
 const char* const kBoresight = "boresight";
@@ -85,7 +85,7 @@ std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
   return entries;
 }
 
-}  // namespace internal
+}  // namespace files_internal
 
 std::optional<Eigen::VectorXd> PriorSigma(const EstimateEntry& entry) {
   if (entry.sigma.empty()) return std::nullopt;

@@ -86,7 +86,8 @@ bool ArePositive(const double* values, std::size_t count) {
 bool AreCoordinates(const TextTable& table) {
   double lat = table.row(0)[1], lon = table.row(0)[2];
   return EveryRow(table, [&](const double* row) {
-    const double limit = 0.01 + 60.0 * internal::kMostSpeedMps / internal::kMetresPerDeg;
+    const double limit =
+        0.01 + 60.0 * files_internal::kMostSpeedMps / files_internal::kMetresPerDeg;
     const bool near = std::abs(row[1] - lat) < limit && std::abs(row[2] - lon) < limit;
     lat = row[1];
     lon = row[2];
@@ -232,7 +233,7 @@ void DescribeText(FileContent* content) {
   content->time_offset_s = TimeOffset(table.row(0)[0]);
   const double step_s = MedianTimeStep(table);
   const auto take_trajectory = [content](const TextTable& rows) {
-    content->trajectory = internal::FindTrajectoryColumns(rows);
+    content->trajectory = files_internal::FindTrajectoryColumns(rows);
     if (content->trajectory) content->kind = FileKind::kTrajectory;
     return content->trajectory.has_value();
   };
@@ -245,7 +246,7 @@ void DescribeText(FileContent* content) {
              // The first rows may be at rest on the ground, without a course.
              !take_trajectory(SpacedRows(content->file))) {
     content->why = std::to_string(table.columns) + " columns, which match no known kind of file";
-    if (table.columns >= 4 && internal::FindCoordinateSystem(table) == "utm:") {
+    if (table.columns >= 4 && files_internal::FindCoordinateSystem(table) == "utm:") {
       content->why += "; for GNSS positions in a grid, set gnss.file and gnss.crs";
     }
   }

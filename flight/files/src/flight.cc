@@ -13,7 +13,7 @@
 namespace dn {
 namespace {
 
-using internal::CoveredTime;
+using files_internal::CoveredTime;
 namespace fs = std::filesystem;
 
 bool IsFile(const fs::path& path) {
@@ -72,7 +72,7 @@ class FolderReader {
   /// is missing and reading is not optional. The reader of the file reports a path that is not a
   /// regular file.
   bool HasFile(const fs::path& path, const char* key) const {
-    const bool present = internal::IsThere(path);
+    const bool present = files_internal::IsThere(path);
     if (!present && !needs_.optional) {
       throw InvalidInput("the data file " + path.string() + " does not exist; the key " + key +
                          " of flight.yaml gives its name");
@@ -128,7 +128,7 @@ class FolderReader {
       KeepGnssInside(covered, "gnss rows outside time span", file, gnss);
     }
     if (flight_.imu) {
-      const CoveredTime covered = internal::Cover(*flight_.imu);
+      const CoveredTime covered = files_internal::Cover(*flight_.imu);
       KeepGnssInside(covered, "gnss rows outside imu data", file, gnss);
       Count("gnss rows in " + covered.gaps,
             static_cast<long>(std::erase_if(gnss.epochs, [&](const GnssEpoch& epoch) {
@@ -144,7 +144,7 @@ class FolderReader {
 
   void KeepGnssInside(const CoveredTime& covered, const char* reason, const fs::path& file,
                       GnssData& gnss) {
-    for (GnssEpoch& epoch : gnss.epochs) epoch.t_s = internal::AlignWeek(epoch.t_s, covered);
+    for (GnssEpoch& epoch : gnss.epochs) epoch.t_s = files_internal::AlignWeek(epoch.t_s, covered);
     const double t_begin_s = gnss.epochs.front().t_s;
     const double t_end_s = gnss.epochs.back().t_s;
     const std::size_t all = gnss.epochs.size();
@@ -158,8 +158,9 @@ class FolderReader {
     if (gnss.epochs.empty() || !unit.empty()) {
       throw InvalidInput(
           (gnss.epochs.empty() ? "no GNSS epoch lies inside " : "most GNSS epochs lie outside ") +
-              covered.what + ": GNSS covers " + internal::SpanText(t_begin_s, t_end_s) + ", " +
-              covered.what + " " + internal::SpanText(covered.t_begin_s, covered.t_end_s) +
+              covered.what + ": GNSS covers " + files_internal::SpanText(t_begin_s, t_end_s) +
+              ", " + covered.what + " " +
+              files_internal::SpanText(covered.t_begin_s, covered.t_end_s) +
               (unit.empty() ? "; both must be in GPS seconds of week" : unit),
           FileLocation{file.string(), 0, 0});
     }
@@ -170,7 +171,7 @@ class FolderReader {
     std::optional<TrajectoryConfig>& section = flight_.config.trajectory;
     const std::string usual = TrajectoryConfig().file;
     for (const std::string& name : {usual, std::string("trajectory.txt")}) {
-      if (!internal::IsThere(InFolder(name))) continue;
+      if (!files_internal::IsThere(InFolder(name))) continue;
       if (!section) section = TrajectoryConfig();
       if (section->file == usual) section->file = name;
       return;
@@ -190,11 +191,11 @@ class FolderReader {
   /// Moves the strips of flight.yaml to the week of the data, like the pairs.
   void AlignStrips() {
     if (!flight_.imu && !flight_.trajectory) return;
-    const CoveredTime covered =
-        flight_.imu ? internal::Cover(*flight_.imu) : internal::Cover(*flight_.trajectory);
+    const CoveredTime covered = flight_.imu ? files_internal::Cover(*flight_.imu)
+                                            : files_internal::Cover(*flight_.trajectory);
     for (StripInterval& strip : flight_.config.strips) {
       const double middle_s = 0.5 * (strip.t0_s + strip.t1_s);
-      const double shift_s = internal::AlignWeek(middle_s, covered) - middle_s;
+      const double shift_s = files_internal::AlignWeek(middle_s, covered) - middle_s;
       strip.t0_s += shift_s;
       strip.t1_s += shift_s;
     }
@@ -204,7 +205,7 @@ class FolderReader {
   bool HasPairFiles() {
     std::vector<std::string>& patterns = flight_.config.lidar->p2p;
     const std::vector<std::string> usual = LidarConfig().p2p;
-    if (patterns == usual && !internal::IsThere(InFolder(usual.front())) &&
+    if (patterns == usual && !files_internal::IsThere(InFolder(usual.front())) &&
         fs::is_directory(InFolder("lidar"))) {
       patterns = {"lidar/*.txt"};
     }
@@ -238,14 +239,14 @@ class FolderReader {
     if (!span) return;
     const CoveredTime covered{"time_span_s", span->x(), span->y(), {}};
     std::vector<LidarPair>& pairs = flight_.pairs->pairs;
-    internal::AlignWeek(covered, pairs);
+    files_internal::AlignWeek(covered, pairs);
     const auto dropped = std::erase_if(pairs, [&](const LidarPair& pair) {
       return !covered.Contains(pair.t_i_s) || !covered.Contains(pair.t_j_s);
     });
     Count("pairs outside time span", static_cast<long>(dropped));
     if (pairs.empty()) {
       throw InvalidInput("no lidar pair lies inside time_span_s (" +
-                             internal::SpanText(span->x(), span->y()) + ")",
+                             files_internal::SpanText(span->x(), span->y()) + ")",
                          FileLocation{flight_.pairs->files.front().string(), 0, 0});
     }
   }
@@ -254,30 +255,30 @@ class FolderReader {
   /// reading they must be inside one of the two data sets, and both cases are only counted.
   void CheckPairsCovered() {
     std::vector<CoveredTime> coverages;
-    if (flight_.imu) coverages.push_back(internal::Cover(*flight_.imu));
-    if (flight_.trajectory) coverages.push_back(internal::Cover(*flight_.trajectory));
+    if (flight_.imu) coverages.push_back(files_internal::Cover(*flight_.imu));
+    if (flight_.trajectory) coverages.push_back(files_internal::Cover(*flight_.trajectory));
     if (coverages.empty()) return;
     PairData& pairs = *flight_.pairs;
-    internal::AlignWeek(coverages.front(), pairs.pairs);
+    files_internal::AlignWeek(coverages.front(), pairs.pairs);
     std::size_t complete = 0;
     for (const CoveredTime& covered : coverages) {
       if (!needs_.optional) {
-        internal::ExpectInSpan(pairs, covered);
-        Count("pairs in " + covered.gaps, internal::DropInGaps(covered, pairs));
+        files_internal::ExpectInSpan(pairs, covered);
+        Count("pairs in " + covered.gaps, files_internal::DropInGaps(covered, pairs));
         continue;
       }
-      const long outside = internal::CountOutside(pairs, covered);
+      const long outside = files_internal::CountOutside(pairs, covered);
       Count("pairs outside " + covered.what, outside);
-      Count("pairs in " + covered.gaps, internal::CountInGaps(pairs, covered));
+      Count("pairs in " + covered.gaps, files_internal::CountInGaps(pairs, covered));
       if (outside == 0) ++complete;
     }
-    if (needs_.optional && complete == 0) internal::ExpectInSpan(pairs, coverages.front());
+    if (needs_.optional && complete == 0) files_internal::ExpectInSpan(pairs, coverages.front());
   }
 
   std::optional<Trajectory> ReadIfPresent(const std::string& stem) const {
     for (const char* extension : {".out", ".txt"}) {
       const fs::path file = InFolder(stem + extension);
-      if (internal::IsThere(file)) {
+      if (files_internal::IsThere(file)) {
         return ReadTrajectory(file, {.body_is_flu = flight_.config.body_is_flu});
       }
     }

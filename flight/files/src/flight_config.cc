@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 fs::path ConfigFile(const fs::path& folder_or_file) {
   if (fs::is_directory(folder_or_file)) {
     fs::path file = folder_or_file / "flight.yaml";
-    if (internal::IsThere(file)) return file;
+    if (files_internal::IsThere(file)) return file;
     throw InvalidConfig("the flight folder has no flight.yaml; write one with dn init",
                         FileLocation{file.string(), 0, 0});
   }
-  if (internal::IsThere(folder_or_file)) return folder_or_file;
+  if (files_internal::IsThere(folder_or_file)) return folder_or_file;
   throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");
 }
 
@@ -78,7 +78,8 @@ std::string ReadCrs(const YamlValue& value) {
 GhConfig ReadGh(const YamlValue& section) {
   section.ExpectMap({"rotation", "libor_compat"});
   GhConfig gh;
-  if (section["rotation"]) gh.exponential = section["rotation"].Choice(internal::GhRotationWords());
+  if (section["rotation"])
+    gh.exponential = section["rotation"].Choice(files_internal::GhRotationWords());
   if (section["libor_compat"]) gh.libor_compat = section["libor_compat"].Bool();
   return gh;
 }
@@ -86,7 +87,8 @@ GhConfig ReadGh(const YamlValue& section) {
 NetworkConfig ReadNetwork(const YamlValue& section) {
   section.ExpectMap({"inertial", "node_rate_hz"});
   NetworkConfig network;
-  if (section["inertial"]) network.inertial = section["inertial"].Choice(internal::InertialWords());
+  if (section["inertial"])
+    network.inertial = section["inertial"].Choice(files_internal::InertialWords());
   const YamlValue rate = section["node_rate_hz"];
   if (rate && !(rate.IsScalar() && rate.Text() == "auto")) network.node_rate_hz = rate.Positive();
   return network;
@@ -94,28 +96,28 @@ NetworkConfig ReadNetwork(const YamlValue& section) {
 
 void ReadSensors(const YamlValue& root, FlightConfig& config) {
   if (const YamlValue section = root["imu"]) {
-    config.imu = internal::ReadImuSection(section, config.body_is_flu);
+    config.imu = files_internal::ReadImuSection(section, config.body_is_flu);
     if (config.time_span_s) {
       config.imu->read.t_begin_s = config.time_span_s->x();
       config.imu->read.t_end_s = config.time_span_s->y();
     }
   }
   if (const YamlValue section = root["gnss"]) {
-    config.gnss = internal::ReadGnssSection(section, config.body_is_flu);
+    config.gnss = files_internal::ReadGnssSection(section, config.body_is_flu);
   }
   if (const YamlValue section = root["lidar"]) {
-    config.lidar = internal::ReadLidarSection(section, config.body_is_flu);
+    config.lidar = files_internal::ReadLidarSection(section, config.body_is_flu);
   }
   if (const YamlValue section = root["trajectory"]) {
-    config.trajectory = internal::ReadTrajectorySection(section);
+    config.trajectory = files_internal::ReadTrajectorySection(section);
   }
 }
 
 /// Returns whether the first data file of the configuration is in the folder.
 bool HoldsData(const fs::path& folder, const FlightConfig& config) {
-  if (config.imu) return internal::IsThere(folder / config.imu->file);
-  if (config.gnss) return internal::IsThere(folder / config.gnss->file);
-  return !config.trajectory || internal::IsThere(folder / config.trajectory->file);
+  if (config.imu) return files_internal::IsThere(folder / config.imu->file);
+  if (config.gnss) return files_internal::IsThere(folder / config.gnss->file);
+  return !config.trajectory || files_internal::IsThere(folder / config.trajectory->file);
 }
 
 /// Returns the folder of the data for a configuration file in `folder`.
@@ -136,14 +138,14 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
                   "unexplained"});
   FlightConfig config;
   config.file = file;
-  if (root["body"]) config.body_is_flu = root["body"].Choice(internal::BodyWords());
+  if (root["body"]) config.body_is_flu = root["body"].Choice(files_internal::BodyWords());
   config.origin = ReadFrame(root["frame"]);
   config.time_span_s = ReadSpan(root["time_span_s"]);
   config.strips = ReadStrips(root["strips"]);
   if (root["strips_crs"]) config.strips_crs = ReadCrs(root["strips_crs"]);
   ReadSensors(root, config);
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
-  if (root["estimate"]) config.estimate = internal::ReadEstimate(root["estimate"]);
+  if (root["estimate"]) config.estimate = files_internal::ReadEstimate(root["estimate"]);
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);

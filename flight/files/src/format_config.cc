@@ -5,7 +5,7 @@
 namespace dn {
 namespace {
 
-using internal::FindWord;
+using files_internal::FindWord;
 
 double Same(double value) { return value; }
 
@@ -53,9 +53,9 @@ void WriteStrips(const std::vector<StripInterval>& strips, Writer& out) {
   }
 }
 
-std::string Process(const BiasProcess& process, const internal::ProcessKeys& keys) {
+std::string Process(const BiasProcess& process, const files_internal::ProcessKeys& keys) {
   const bool walk = process.type == BiasProcess::Type::kRandomWalk;
-  std::string text = "{type: " + FindWord(process.type, internal::ProcessWords()) + ", " +
+  std::string text = "{type: " + FindWord(process.type, files_internal::ProcessWords()) + ", " +
                      (walk ? keys.walk : keys.sigma) + ": " +
                      Number(process.sigma, walk ? keys.walk_to_si : keys.sigma_to_si);
   if (process.type == BiasProcess::Type::kGaussMarkov) {
@@ -64,8 +64,8 @@ std::string Process(const BiasProcess& process, const internal::ProcessKeys& key
   return text + "}";
 }
 
-void WriteSensor(const char* name, const SensorNoise& noise, const internal::ProcessKeys& keys,
-                 Writer& out) {
+void WriteSensor(const char* name, const SensorNoise& noise,
+                 const files_internal::ProcessKeys& keys, Writer& out) {
   out.Line(1, std::string(name) + ":");
   out.Key(2, keys.white, Number(noise.white, keys.white_to_si));
   if (noise.processes.empty()) return out.Key(2, "processes", "[]");
@@ -75,7 +75,7 @@ void WriteSensor(const char* name, const SensorNoise& noise, const internal::Pro
   }
 }
 
-std::string Noise(const SensorNoise& noise, const internal::ProcessKeys& keys) {
+std::string Noise(const SensorNoise& noise, const files_internal::ProcessKeys& keys) {
   std::string processes;
   for (const BiasProcess& process : noise.processes) {
     processes += (processes.empty() ? "" : ", ") + Process(process, keys);
@@ -97,16 +97,16 @@ void WriteVibration(const std::vector<ImuVibration>& vibration, Writer& out) {
 void WriteImu(const ImuConfig& imu, Writer& out) {
   out.Line(0, "imu:");
   out.Key(1, "file", QuoteYaml(imu.file));
-  out.Key(1, "format", FindWord(imu.read.format, internal::ImuFormatWords()));
-  out.Key(1, "sampling", FindWord(imu.read.sampling, internal::ImuSamplingWords()));
-  out.Key(1, "rate_unit", FindWord(imu.read.rate_unit_radps, internal::RateUnitWords()));
-  out.Key(1, "force_unit", FindWord(imu.read.force_unit_mps2, internal::ForceUnitWords()));
+  out.Key(1, "format", FindWord(imu.read.format, files_internal::ImuFormatWords()));
+  out.Key(1, "sampling", FindWord(imu.read.sampling, files_internal::ImuSamplingWords()));
+  out.Key(1, "rate_unit", FindWord(imu.read.rate_unit_radps, files_internal::RateUnitWords()));
+  out.Key(1, "force_unit", FindWord(imu.read.force_unit_mps2, files_internal::ForceUnitWords()));
   out.Key(1, "R_imu_to_body", Matrix(imu.read.R_imu_to_body));
   out.Key(1, "time_offset_s", Number(imu.read.time_offset_s));
   out.Key(1, "max_gap_s", Number(imu.read.max_gap_s));
   out.Key(1, "grade", imu.grade ? QuoteYaml(*imu.grade) : "~");
-  WriteSensor("gyro", imu.model.gyro, internal::GyroKeys(), out);
-  WriteSensor("accel", imu.model.accel, internal::AccelKeys(), out);
+  WriteSensor("gyro", imu.model.gyro, files_internal::GyroKeys(), out);
+  WriteSensor("accel", imu.model.accel, files_internal::AccelKeys(), out);
   WriteVibration(imu.model.vibration, out);
 }
 
@@ -119,20 +119,20 @@ void WriteGnssProcesses(const std::vector<GnssProcess>& processes, Writer& out) 
 void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Line(0, "gnss:");
   out.Key(1, "file", QuoteYaml(gnss.file));
-  out.Key(1, "format", FindWord(gnss.format, internal::GnssFormatWords()));
+  out.Key(1, "format", FindWord(gnss.format, files_internal::GnssFormatWords()));
   out.Key(1, "time_offset_s", Number(gnss.time_offset_s));
   out.Key(1, "crs", gnss.crs);
-  out.Key(1, "north", FindWord(gnss.grid_north, internal::NorthWords()));
+  out.Key(1, "north", FindWord(gnss.grid_north, files_internal::NorthWords()));
   out.Key(1, "lever_arm_m", List(gnss.lever_arm_b_m));
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
   out.Key(1, "sigma_scale", Number(gnss.sigma_scale));
   out.Key(1, "use_velocity", gnss.use_velocity ? Boolean(*gnss.use_velocity) : "auto");
   WriteGnssProcesses(gnss.processes, out);
-  out.Key(1, "robust", FindWord(gnss.robust, internal::RobustWords()));
+  out.Key(1, "robust", FindWord(gnss.robust, files_internal::RobustWords()));
 }
 
 std::string Selection(const PairSelection& selection) {
-  return "{strategy: " + FindWord(selection.strategy, internal::StrategyWords()) +
+  return "{strategy: " + FindWord(selection.strategy, files_internal::StrategyWords()) +
          ", count: " + (selection.count ? std::to_string(*selection.count) : "~") +
          ", freq_hz: " + Number(selection.freq_hz) + ", window_s: " + Number(selection.window_s) +
          ", seed: " + std::to_string(selection.seed) + "}";
@@ -158,7 +158,7 @@ void WriteLidar(const LidarConfig& lidar, Writer& out) {
   out.Key(1, "nadir_axis", List(lidar.nadir_axis_s));
   out.Key(1, "gsd_m", Number(lidar.gsd_m));
   out.Key(1, "sigma_p_m", Number(lidar.sigma_p_m));
-  out.Key(1, "robust", FindWord(lidar.robust, internal::RobustWords()));
+  out.Key(1, "robust", FindWord(lidar.robust, files_internal::RobustWords()));
 }
 
 void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
@@ -166,8 +166,8 @@ void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Key(1, "file", QuoteYaml(trajectory.file));
   const TrajectoryColumns& columns = trajectory.columns;
   out.Key(1, "crs", QuoteYaml(columns.crs));
-  out.Key(1, "attitude", FindWord(columns.attitude, internal::AttitudeWords()));
-  out.Key(1, "north", FindWord(columns.grid_north, internal::NorthWords()));
+  out.Key(1, "attitude", FindWord(columns.attitude, files_internal::AttitudeWords()));
+  out.Key(1, "north", FindWord(columns.grid_north, files_internal::NorthWords()));
   out.Key(1, "sigma_xy_m", Number(trajectory.sigma_xy_m));
   out.Key(1, "sigma_z_m", Number(trajectory.sigma_z_m));
   out.Key(1, "sigma_rp_deg", Number(trajectory.sigma_rp_rad, &RadFromDeg));
@@ -210,7 +210,7 @@ void WriteFileHeader(const FlightConfig& config, Writer& out) {
   out.Line(0, "# Folder of the data, used if they are not in the folder of this file.");
   const std::filesystem::path folder = std::filesystem::absolute(config.folder);
   out.Key(0, "data_folder", QuoteYaml(folder.lexically_normal().string()));
-  out.Key(0, "body", FindWord(config.body_is_flu, internal::BodyWords()));
+  out.Key(0, "body", FindWord(config.body_is_flu, files_internal::BodyWords()));
 }
 
 void WriteHead(const FlightConfig& config, Writer& out) {
@@ -227,7 +227,7 @@ void WriteHead(const FlightConfig& config, Writer& out) {
 
 /// Returns the configuration with body quantities in forward-left-up.
 FlightConfig WithBodyFlipped(FlightConfig config) {
-  using internal::FlipBody;
+  using files_internal::FlipBody;
   if (config.imu) FlipBody(&config.imu->read.R_imu_to_body);
   if (config.gnss) config.gnss->lever_arm_b_m = FlipBody(config.gnss->lever_arm_b_m);
   if (!config.lidar) return config;
@@ -247,11 +247,11 @@ void WriteRest(const FlightConfig& config, Writer& out) {
   if (config.lidar) WriteLidar(*config.lidar, out);
   if (config.trajectory) WriteTrajectory(*config.trajectory, out);
   out.Key(0, "gh",
-          "{rotation: " + FindWord(config.gh.exponential, internal::GhRotationWords()) +
+          "{rotation: " + FindWord(config.gh.exponential, files_internal::GhRotationWords()) +
               ", libor_compat: " + Boolean(config.gh.libor_compat) + "}");
   WriteEstimate(config.estimate, out);
   out.Key(0, "network",
-          "{inertial: " + FindWord(config.network.inertial, internal::InertialWords()) +
+          "{inertial: " + FindWord(config.network.inertial, files_internal::InertialWords()) +
               ", node_rate_hz: " +
               (config.network.node_rate_hz ? Number(*config.network.node_rate_hz) : "auto") + "}");
 }
@@ -279,10 +279,12 @@ std::string FormatGnssProcess(const GnssProcess& process) {
          ", tau_s: " + Number(process.tau_s) + "}";
 }
 
-std::string FormatGyroNoise(const SensorNoise& noise) { return Noise(noise, internal::GyroKeys()); }
+std::string FormatGyroNoise(const SensorNoise& noise) {
+  return Noise(noise, files_internal::GyroKeys());
+}
 
 std::string FormatAccelNoise(const SensorNoise& noise) {
-  return Noise(noise, internal::AccelKeys());
+  return Noise(noise, files_internal::AccelKeys());
 }
 
 std::string FormatStrip(const StripInterval& strip) {

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using internal::PointFate;
+using files_internal::PointFate;
 
 constexpr std::size_t kPointsPerTask = 2048;
 constexpr std::size_t kPosesOfLine = 60;
@@ -53,14 +53,14 @@ struct StripGeoreferencer::Setup {
   GeoreferenceOptions options;
   LocalFrame frame;
   PointCrs crs;
-  internal::StripPaths paths;
+  files_internal::StripPaths paths;
 };
 
 /// The work on one strip, from the input to the output file.
 class StripGeoreferencer::Work {
  public:
   Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {
-    internal::ExpectTimes(*reader_, in);
+    files_internal::ExpectTimes(*reader_, in);
     result_.origin = FindVectorOrigin(*reader_, setup_.options.made_with, in_);
     made_with_ = setup_.options.made_with.mounting;
     made_with_.boresight_rad = result_.origin.boresight_rad;
@@ -150,7 +150,7 @@ class StripGeoreferencer::Work {
       result_.t_begin_s = std::min(result_.t_begin_s, points.t_s[i]);
       result_.t_end_s = std::max(result_.t_end_s, points.t_s[i]);
       if (fates_[i] != PointFate::kKept) {
-        ++result_.dropped[internal::FateReason(fates_[i])];
+        ++result_.dropped[files_internal::FateReason(fates_[i])];
         continue;
       }
       ++result_.kept;
@@ -164,9 +164,10 @@ class StripGeoreferencer::Work {
   void ExpectPoints() const {
     if (result_.points == 0) throw InvalidInput("the strip has no points", Where());
     if (result_.kept > 0) return;
-    throw InvalidInput(internal::NothingLeft(result_.dropped.begin()->first, result_.t_begin_s,
-                                             result_.t_end_s, setup_.paths.wanted().covered),
-                       Where());
+    throw InvalidInput(
+        files_internal::NothingLeft(result_.dropped.begin()->first, result_.t_begin_s,
+                                    result_.t_end_s, setup_.paths.wanted().covered),
+        Where());
   }
 
   const Setup& setup_;

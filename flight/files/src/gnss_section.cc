@@ -8,13 +8,14 @@ namespace {
 Eigen::Vector3d ProcessSigmas(const YamlValue& value) {
   Eigen::Vector3d sigma = value.Vector3();
   if (sigma.minCoeff() < 0.0) value.Fail("no element may be negative");
-  if (sigma.maxCoeff() < internal::kLeastSigmaM) value.Fail("one element must be at least 1e-12");
+  if (sigma.maxCoeff() < files_internal::kLeastSigmaM)
+    value.Fail("one element must be at least 1e-12");
   return sigma;
 }
 
 GnssProcess ReadGnssProcess(const YamlValue& item) {
   item.ExpectMap({"type", "sigma_enu_m", "tau_s"});
-  item["type"].Choice(internal::GnssProcessWords());
+  item["type"].Choice(files_internal::GnssProcessWords());
   return {ProcessSigmas(item["sigma_enu_m"]), item["tau_s"].Positive()};
 }
 
@@ -23,7 +24,7 @@ GnssProcess ReadGnssProcess(const YamlValue& item) {
 std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section) {
   std::vector<GnssProcess> processes;
   if (!section["processes"]) return processes;
-  for (const YamlValue& item : section["processes"].List(internal::kMostProcesses)) {
+  for (const YamlValue& item : section["processes"].List(files_internal::kMostProcesses)) {
     processes.push_back(ReadGnssProcess(item));
   }
   return processes;
@@ -31,7 +32,7 @@ std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section) {
 
 }  // namespace dn
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 double ReadTimeOffset(const YamlValue& section) {
   constexpr double kMostS = 4e9;
@@ -70,4 +71,4 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   return gnss;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

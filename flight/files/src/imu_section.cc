@@ -6,7 +6,7 @@
 
 #include "config_sections.h"
 
-namespace dn::internal {
+namespace dn::files_internal {
 namespace {
 
 // This limit suffices for a list that is written by hand.
@@ -124,7 +124,7 @@ ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
   return imu;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal
 
 namespace dn {
 
@@ -140,10 +140,10 @@ ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key) {
     }
   }
   ImuModel model = preset;
-  internal::ReadSensor(section["gyro"], internal::GyroKeys(), named, model.gyro);
-  internal::ReadSensor(section["accel"], internal::AccelKeys(), named, model.accel);
-  const bool own_figures = !internal::SameNoise(model.gyro, preset.gyro) ||
-                           !internal::SameNoise(model.accel, preset.accel);
+  files_internal::ReadSensor(section["gyro"], files_internal::GyroKeys(), named, model.gyro);
+  files_internal::ReadSensor(section["accel"], files_internal::AccelKeys(), named, model.accel);
+  const bool own_figures = !files_internal::SameNoise(model.gyro, preset.gyro) ||
+                           !files_internal::SameNoise(model.accel, preset.accel);
   if (own_figures) {
     model.name = named ? named.Name() + " with own figures" : "own figures";
     model.source = std::filesystem::path(section.where().file).filename().string();

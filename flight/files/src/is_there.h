@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// Returns whether the path exists, including files that cannot be read.
 inline bool IsThere(const std::filesystem::path& path) {
@@ -11,4 +11,4 @@ inline bool IsThere(const std::filesystem::path& path) {
   return std::filesystem::status(path, none).type() != std::filesystem::file_type::not_found;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

@@ -6,7 +6,7 @@
 
 #include "config_sections.h"
 
-namespace dn::internal {
+namespace dn::files_internal {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
@@ -154,19 +154,19 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
   return lidar;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal
 
 namespace dn {
 
 ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu) {
-  using internal::ReadUnitVector;
+  using files_internal::ReadUnitVector;
   ScannerAxes axes;
   const YamlValue matrix = section["R_sensor_to_body"];
-  if (matrix) axes.R_bs_nominal = internal::ReadRotation(matrix);
-  if (body_is_flu) internal::FlipBody(&axes.R_bs_nominal);
+  if (matrix) axes.R_bs_nominal = files_internal::ReadRotation(matrix);
+  if (body_is_flu) files_internal::FlipBody(&axes.R_bs_nominal);
   if (section["scan_axis"]) axes.scan_axis_s = ReadUnitVector(section["scan_axis"]);
   if (section["nadir_axis"]) axes.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
-  internal::CheckAxes(section, axes);
+  files_internal::CheckAxes(section, axes);
   return axes;
 }
 

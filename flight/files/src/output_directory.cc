@@ -61,7 +61,7 @@ void Sweep(const fs::path& directory) {
     }
   }
   for (const fs::path& staging : left) {
-    internal::UndoCommit(staging);
+    files_internal::UndoCommit(staging);
     std::error_code none;
     fs::remove_all(staging, none);
   }
@@ -124,7 +124,7 @@ fs::path OutputDirectory::Stage(const std::string& name) {
 }
 
 void OutputDirectory::Commit() {
-  internal::CommitStaged(staging_, names_);
+  files_internal::CommitStaged(staging_, names_);
   names_.clear();
 }
 
@@ -138,7 +138,7 @@ void OutputDirectory::Remove(const std::vector<std::string>& names) const {
     if (!IsResultName(name)) continue;
     const fs::path file = directory_ / name;
     const bool in_folder = fs::path(name).has_parent_path();
-    if (in_folder && !internal::IsRealDirectory(file.parent_path())) continue;
+    if (in_folder && !files_internal::IsRealDirectory(file.parent_path())) continue;
     ::unlink(file.c_str());
     if (in_folder) ::rmdir(file.parent_path().c_str());
   }

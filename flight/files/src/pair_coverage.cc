@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace dn::internal {
+namespace dn::files_internal {
 namespace {
 
 constexpr double kHoleS = 1.0;
@@ -122,4 +122,4 @@ long DropInGaps(const CoveredTime& covered, PairData& data) {
       data.pairs, [&](const LidarPair& pair) { return PairGap(pair, covered) != nullptr; }));
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

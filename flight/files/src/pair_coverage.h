@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// The time covered by a data set: a span with gaps.
 struct CoveredTime {
@@ -51,4 +51,4 @@ long DropInGaps(const CoveredTime& covered, PairData& data);
 /// Returns a span as text: "381253.970 .. 381646.750 s".
 std::string SpanText(double t_begin_s, double t_end_s);
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

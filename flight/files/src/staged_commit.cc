@@ -9,7 +9,7 @@
 #include <sstream>
 #include <system_error>
 
-namespace dn::internal {
+namespace dn::files_internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -153,4 +153,4 @@ void UndoCommit(const fs::path& staging) {
   fs::remove(staging / kJournal, none);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// Returns whether the path is a directory; false for a link to a directory.
 bool IsRealDirectory(const std::filesystem::path& path);
@@ -20,4 +20,4 @@ void CommitStaged(const std::filesystem::path& staging, const std::vector<std::s
 /// folder.
 void UndoCommit(const std::filesystem::path& staging);
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

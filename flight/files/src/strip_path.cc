@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace dn::internal {
+namespace dn::files_internal {
 namespace {
 
 PointFate FateBy(const CoveredTime& covered, double t_s) {
@@ -61,4 +61,4 @@ std::string NothingLeft(const std::string& reason, double t_begin_s, double t_en
          (unit.empty() ? "; check the type of GPS time in the file" : unit);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

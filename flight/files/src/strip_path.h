@@ -11,7 +11,7 @@
 
 #include "pair_coverage.h"
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// A trajectory in the map frame and the time that it covers.
 struct StripPath {
@@ -58,4 +58,4 @@ void ExpectTimes(const StripReader& reader, const std::filesystem::path& file);
 std::string NothingLeft(const std::string& reason, double t_begin_s, double t_end_s,
                         const CoveredTime& covered);
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
-using internal::PointFate;
+using files_internal::PointFate;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ struct StripSource::Setup {
   StripGeoreferencing made_with;
   double time_offset_s;
   PointFilter filter;
-  internal::StripPaths paths;
+  files_internal::StripPaths paths;
 };
 
 StripSource::StripSource(const StripSourceOptions& options, const LocalFrame& frame,
@@ -50,7 +50,7 @@ StripCounts StripSource::Read(const fs::path& file,
                               const std::function<void(const LaserVectors&)>& take) const {
   const auto reader = OpenStrip(file);
   const FileLocation where{file.string()};
-  internal::ExpectTimes(*reader, file);
+  files_internal::ExpectTimes(*reader, file);
   StripCounts counts;
   const VectorOrigin& origin =
       counts.origin.emplace(FindVectorOrigin(*reader, setup_->made_with, file));
@@ -71,7 +71,7 @@ StripCounts StripSource::Read(const fs::path& file,
       all_end_s = std::max(all_end_s, t_s);
       const PointFate fate = setup_->paths.FindFate(t_s, reader->has_vectors());
       if (fate != PointFate::kKept) {
-        ++counts.dropped[internal::FateReason(fate)];
+        ++counts.dropped[files_internal::FateReason(fate)];
         continue;
       }
       if (const char* reason = DropReason(setup_->filter, points, i)) {
@@ -79,7 +79,7 @@ StripCounts StripSource::Read(const fs::path& file,
         continue;
       }
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
-      vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->paths.wanted().covered));
+      vectors.t_s.push_back(files_internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
         vectors.u_s.push_back(setup_->PointLaserVector(points, i, t_s, mounting));
       } catch (const InvalidInput& e) {
@@ -93,8 +93,8 @@ StripCounts StripSource::Read(const fs::path& file,
   }
   if (counts.points == 0) throw InvalidInput("the strip has no points", where);
   if (counts.kept == 0) {
-    throw InvalidInput(internal::NothingLeft(counts.dropped.begin()->first, all_begin_s, all_end_s,
-                                             setup_->paths.wanted().covered),
+    throw InvalidInput(files_internal::NothingLeft(counts.dropped.begin()->first, all_begin_s,
+                                                   all_end_s, setup_->paths.wanted().covered),
                        where);
   }
   return counts;

@@ -11,7 +11,7 @@
 
 #include "plausible_motion.h"
 
-namespace dn::internal {
+namespace dn::files_internal {
 namespace {
 
 using Attitude = TrajectoryColumns::Attitude;
@@ -167,4 +167,4 @@ std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table) {
   return columns;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

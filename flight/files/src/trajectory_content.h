@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 /// Returns the coordinate system of columns 2 to 4 of a text: "geographic", "ecef", "utm:" (any
 /// zone) or "map". It follows from the size of the values and from plausible speeds. Returns
@@ -20,4 +20,4 @@ std::optional<std::string> FindCoordinateSystem(const TextTable& table);
 /// or north-east-down without motion. The body is FLU if its z axis points up.
 std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table);
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

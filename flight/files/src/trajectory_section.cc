@@ -3,7 +3,7 @@
 #include "config_names.h"
 #include "config_sections.h"
 
-namespace dn::internal {
+namespace dn::files_internal {
 
 std::string ReadTextCrs(const YamlValue& crs) {
   std::string name = crs.Name();
@@ -52,4 +52,4 @@ TrajectoryConfig ReadTrajectorySection(const YamlValue& section) {
   return trajectory;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::files_internal

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 constexpr double kFreeDirection = 1e-12;  // smallest eigenvalue ratio above rounding error
 
@@ -38,4 +38,4 @@ BoresightPrior EvaluatePrior(const Eigen::Vector3d& prior_rad, const Eigen::Vect
           r.dot(weight.cwiseProduct(r))};
 }
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

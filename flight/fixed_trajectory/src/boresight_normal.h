@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 /// Throws RankDeficient if the normal matrix of a boresight leaves a direction undetermined; the
 /// message names the direction. `what` is the kind of observations, such as "point pairs"; `remedy`
@@ -20,4 +20,4 @@ struct BoresightPrior {
 BoresightPrior EvaluatePrior(const Eigen::Vector3d& prior_rad, const Eigen::Vector3d& sigma_rad,
                              BoresightModel model, const Eigen::Vector3d& theta_rad);
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 double ErrorProcess::Correlation(double apart_s, bool same_strip) const {
   switch (kind) {
@@ -14,4 +14,4 @@ double ErrorProcess::Correlation(double apart_s, bool same_strip) const {
   return same_strip ? 1.0 : 0.0;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 /// A stochastic process of unit variance in time that models a trajectory error.
 struct ErrorProcess {
@@ -27,4 +27,4 @@ struct ErrorModel {
   bool tilt_in_nav = false;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

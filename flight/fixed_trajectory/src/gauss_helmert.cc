@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using internal::EndTerms;
+using fixed_trajectory_internal::EndTerms;
 
 constexpr std::size_t kChunk = 2048;  // pairs per partial sum
 constexpr double kRoundingM = 1e-6;   // smaller differences are never outliers
@@ -131,7 +131,7 @@ class Adjuster {
   struct PairTerms {
     Vector3d w;  // w~ = w - B v
     Matrix3d A, S;
-    internal::PoseNoise noise_i, noise_j;
+    fixed_trajectory_internal::PoseNoise noise_i, noise_j;
     Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude covariance
   };
 
@@ -144,14 +144,14 @@ class Adjuster {
   PairTerms Terms(std::size_t k) const {
     const GaussHelmertPair& pair = problem_.pairs[k];
     const PairCorrection& v = result_.corrections[k];
-    const EndTerms i = internal::EvaluateEnd(pair.i, problem_.lever_arm_b_m, model_, theta_,
-                                             q_theta_, v.segment<3>(0), v.segment<3>(3));
-    const EndTerms j = internal::EvaluateEnd(pair.j, problem_.lever_arm_b_m, model_, theta_,
-                                             q_theta_, v.segment<3>(6), v.segment<3>(9));
+    const EndTerms i = fixed_trajectory_internal::EvaluateEnd(
+        pair.i, problem_.lever_arm_b_m, model_, theta_, q_theta_, v.segment<3>(0), v.segment<3>(3));
+    const EndTerms j = fixed_trajectory_internal::EvaluateEnd(
+        pair.j, problem_.lever_arm_b_m, model_, theta_, q_theta_, v.segment<3>(6), v.segment<3>(9));
     PairTerms terms;
     terms.A = i.J_theta - j.J_theta;
-    terms.noise_i = internal::EvaluateNoise(pair.i);
-    terms.noise_j = internal::EvaluateNoise(pair.j);
+    terms.noise_i = fixed_trajectory_internal::EvaluateNoise(pair.i);
+    terms.noise_j = fixed_trajectory_internal::EvaluateNoise(pair.j);
     Matrix3d B_i = i.J_phi, B_j = -j.J_phi;
     if (options_.libor_compat) TurnAsLibor(pair, &terms, &B_i, &B_j);
     terms.L_i.noalias() = B_i * terms.noise_i.attitude_factor;
@@ -169,7 +169,8 @@ class Adjuster {
   // and the derivatives of R_nb lack the factor R_en.
   void TurnAsLibor(const GaussHelmertPair& pair, PairTerms* terms, Matrix3d* B_i,
                    Matrix3d* B_j) const {
-    const auto turn = [&](const GaussHelmertEnd& end, internal::PoseNoise* noise, Matrix3d* B) {
+    const auto turn = [&](const GaussHelmertEnd& end, fixed_trajectory_internal::PoseNoise* noise,
+                          Matrix3d* B) {
       const Matrix3d L = R_me_ * end.sigma_ned_m.asDiagonal();
       noise->position = L * L.transpose();
       *B = R_me_ * end.q_mn.toRotationMatrix().transpose() * *B;
@@ -205,8 +206,9 @@ class Adjuster {
 
   void AddPrior(NormalSums* sums) const {
     if (!problem_.boresight_sigma_rad) return;
-    const internal::BoresightPrior prior = internal::EvaluatePrior(
-        problem_.boresight_rad, *problem_.boresight_sigma_rad, model_, theta_);
+    const fixed_trajectory_internal::BoresightPrior prior =
+        fixed_trajectory_internal::EvaluatePrior(problem_.boresight_rad,
+                                                 *problem_.boresight_sigma_rad, model_, theta_);
     sums->N += prior.N;
     sums->g += prior.g;
     sums->chi2 += prior.chi2;
@@ -228,8 +230,8 @@ class Adjuster {
   }
 
   static void CheckRank(const Matrix3d& N) {
-    internal::CheckBoresightRank(N, "point pairs",
-                                 "add pairs between strips with other headings or heights");
+    fixed_trajectory_internal::CheckBoresightRank(
+        N, "point pairs", "add pairs between strips with other headings or heights");
   }
 
   Vector3d Step() {
@@ -290,7 +292,8 @@ class Adjuster {
 
   // Returns the georeferenced point with the given trajectory, without corrections.
   Vector3d Point(const GaussHelmertEnd& end) const {
-    return end.p_mb + end.q_mb * Vector3d(internal::BodyVector(end, model_, theta_, q_theta_) +
+    return end.p_mb + end.q_mb * Vector3d(fixed_trajectory_internal::BodyVector(end, model_, theta_,
+                                                                                q_theta_) +
                                           problem_.lever_arm_b_m);
   }
 

@@ -3,7 +3,7 @@
 #include <dn/rotation.h>
 
 namespace dn {
-namespace internal {
+namespace fixed_trajectory_internal {
 namespace {
 
 // Returns R [u]x.
@@ -51,16 +51,16 @@ PoseNoise EvaluateNoise(const GaussHelmertEnd& end) {
   return noise;
 }
 
-}  // namespace internal
+}  // namespace fixed_trajectory_internal
 
 PairLinearisation LinearisePair(const GaussHelmertPair& pair, const Eigen::Vector3d& lever_arm_b_m,
                                 BoresightModel model, const Eigen::Vector3d& theta_rad,
                                 const PairCorrection& v) {
   const Eigen::Quaterniond q_boresight = Exp(theta_rad);
-  const internal::EndTerms i = internal::EvaluateEnd(pair.i, lever_arm_b_m, model, theta_rad,
-                                                     q_boresight, v.segment<3>(0), v.segment<3>(3));
-  const internal::EndTerms j = internal::EvaluateEnd(pair.j, lever_arm_b_m, model, theta_rad,
-                                                     q_boresight, v.segment<3>(6), v.segment<3>(9));
+  const fixed_trajectory_internal::EndTerms i = fixed_trajectory_internal::EvaluateEnd(
+      pair.i, lever_arm_b_m, model, theta_rad, q_boresight, v.segment<3>(0), v.segment<3>(3));
+  const fixed_trajectory_internal::EndTerms j = fixed_trajectory_internal::EvaluateEnd(
+      pair.j, lever_arm_b_m, model, theta_rad, q_boresight, v.segment<3>(6), v.segment<3>(9));
   PairLinearisation out;
   out.w = i.x - j.x;
   out.A = i.J_theta - j.J_theta;

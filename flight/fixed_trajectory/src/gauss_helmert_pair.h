@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 /// One end of a pair at its corrected observations.
 struct EndTerms {
@@ -33,4 +33,4 @@ struct PoseNoise {
 };
 PoseNoise EvaluateNoise(const GaussHelmertEnd& end);
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

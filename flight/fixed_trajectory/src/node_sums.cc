@@ -10,7 +10,7 @@
 
 #include "gauss_helmert_pair.h"
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -154,4 +154,4 @@ NodeSums SumPairConditions(const GaussHelmertProblem& problem, const GaussHelmer
   return sums.Sums(problem.boresight_sigma_rad);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

@@ -6,7 +6,7 @@
 
 #include "time_nodes.h"
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 /// Normal-equation sums over the conditions of an adjustment, with the trajectory errors at the
 /// nodes as additional unknowns. The errors are in units of their stated sigmas. Error c of node n
@@ -53,4 +53,4 @@ NodeSums SumPairConditions(const GaussHelmertProblem& problem, const GaussHelmer
                            BoresightModel model, const TrajectoryErrorOptions& options,
                            const TimeNodes& nodes);
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

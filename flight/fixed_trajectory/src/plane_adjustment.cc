@@ -238,9 +238,10 @@ class PlaneAdjuster {
 
   void AddPriors(Sums* sums) const {
     if (problem_.boresight_sigma_rad) {
-      const internal::BoresightPrior prior =
-          internal::EvaluatePrior(problem_.boresight_rad, *problem_.boresight_sigma_rad,
-                                  BoresightModel::kExponential, theta_);
+      const fixed_trajectory_internal::BoresightPrior prior =
+          fixed_trajectory_internal::EvaluatePrior(problem_.boresight_rad,
+                                                   *problem_.boresight_sigma_rad,
+                                                   BoresightModel::kExponential, theta_);
       sums->N.topLeftCorner<3, 3>() += prior.N;
       sums->g.head<3>() += prior.g;
       sums->chi2 += prior.chi2;
@@ -263,7 +264,7 @@ class PlaneAdjuster {
   }
 
   static void CheckRank(const Matrix3d& N) {
-    internal::CheckBoresightRank(
+    fixed_trajectory_internal::CheckBoresightRank(
         N, "planes", "add planes of other slope and aspect, or strips with other headings");
   }
 

@@ -28,9 +28,9 @@ PlanePointLinearisation LinearisePlanePoint(const PlanePoint& point, double sigm
   end.u_b -= rho_m * along_b;
   const Eigen::Quaterniond q_boresight = Exp(theta_rad);
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-  const internal::EndTerms terms = internal::EvaluateEnd(
+  const fixed_trajectory_internal::EndTerms terms = fixed_trajectory_internal::EvaluateEnd(
       end, lever_arm_b_m, BoresightModel::kExponential, theta_rad, q_boresight, zero, zero);
-  const internal::PoseNoise noise = internal::EvaluateNoise(end);
+  const fixed_trajectory_internal::PoseNoise noise = fixed_trajectory_internal::EvaluateNoise(end);
   const Eigen::Vector3d& n = plane.normal;
   const Eigen::Vector3d from_centre = terms.x - plane.centre_m;
   PlanePointLinearisation out;

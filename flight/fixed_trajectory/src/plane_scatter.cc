@@ -15,10 +15,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using internal::EndJacobian;
-using internal::NodeHeadings;
-using internal::NodeSums;
-using internal::TimeNodes;
+using fixed_trajectory_internal::EndJacobian;
+using fixed_trajectory_internal::NodeHeadings;
+using fixed_trajectory_internal::NodeSums;
+using fixed_trajectory_internal::TimeNodes;
 
 /// Derivatives of one condition with respect to the errors at the nodes (6 n + c), followed by the
 /// unknowns.
@@ -95,7 +95,7 @@ class PlaneSums {
     // n^T d x / d phi = J_phi^T, so only this row of the point's Jacobian is needed.
     const Eigen::Matrix3d J_phi = normal * at.J_phi.transpose();
     const Eigen::Matrix<double, 1, 6> errors =
-        normal.transpose() * internal::ErrorJacobian(point.end, J_phi, options_);
+        normal.transpose() * fixed_trajectory_internal::ErrorJacobian(point.end, J_phi, options_);
     const TimeNodes::Place place = nodes_.At(point.end.t_s);
     SparseRow row;
     const auto add = [&](int node, double weight) {
@@ -193,9 +193,11 @@ PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& probl
                        " planes, the problem " + std::to_string(problem.planes.size()));
   }
   if (!(result.chi2 > 0.0)) return {};  // all residuals are zero
-  const internal::AdjustmentErrorCovariance out = internal::EstimateFromNodeSums(
-      static_cast<double>(result.redundancy), options, [&] { return KeptEpochs(problem, result); },
-      [&](const TimeNodes& nodes) { return PlaneSums(problem, result, options, nodes).Run(); });
+  const fixed_trajectory_internal::AdjustmentErrorCovariance out =
+      fixed_trajectory_internal::EstimateFromNodeSums(
+          static_cast<double>(result.redundancy), options,
+          [&] { return KeptEpochs(problem, result); },
+          [&](const TimeNodes& nodes) { return PlaneSums(problem, result, options, nodes).Run(); });
   return {out.scatter, problem.with_range_offset ? out.covariance(3, 3) : 0.0};
 }
 

@@ -9,7 +9,7 @@
 #include "node_sums.h"
 #include "time_nodes.h"
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 /// Covariance of all unknowns of an adjustment from time-correlated trajectory errors.
 struct AdjustmentErrorCovariance {
@@ -25,4 +25,4 @@ AdjustmentErrorCovariance EstimateFromNodeSums(
     const std::function<std::vector<double>()>& epochs_s,
     const std::function<NodeSums(const TimeNodes&)>& sums);
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

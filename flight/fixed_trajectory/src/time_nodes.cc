@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 namespace {
 
 constexpr double kPause_s = 5.0;
@@ -104,4 +104,4 @@ Eigen::MatrixXd TimeNodes::Covariance(const ErrorProcess& process) const {
   return from_samples_ * K * from_samples_.transpose();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

@@ -5,7 +5,7 @@
 
 #include "error_process.h"
 
-namespace dn::internal {
+namespace dn::fixed_trajectory_internal {
 
 /// Nodes in time. A function is represented by its values at the nodes and is linear between them
 /// within each strip. In a strip with a single node it is constant.
@@ -49,4 +49,4 @@ class TimeNodes {
   Eigen::MatrixXd from_samples_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn::fixed_trajectory_internal

@@ -25,11 +25,11 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-using internal::AdjustmentErrorCovariance;
-using internal::ErrorModel;
-using internal::ErrorProcess;
-using internal::NodeSums;
-using internal::TimeNodes;
+using fixed_trajectory_internal::AdjustmentErrorCovariance;
+using fixed_trajectory_internal::ErrorModel;
+using fixed_trajectory_internal::ErrorProcess;
+using fixed_trajectory_internal::NodeSums;
+using fixed_trajectory_internal::TimeNodes;
 
 constexpr double kLongestTau_s = 1000.0;  // longest correlation time that is reported
 // Correlation times for errors of unknown origin.
@@ -530,16 +530,17 @@ CorrelatedErrorCovariance EstimateCorrelatedErrorCovariance(const GaussHelmertPr
                        " pairs, the problem " + std::to_string(problem.pairs.size()));
   }
   if (!(result.chi2 > 0.0)) return {};  // all misclosures are zero
-  return internal::EstimateFromNodeSums(
+  return fixed_trajectory_internal::EstimateFromNodeSums(
              static_cast<double>(result.redundancy), options,
              [&] { return Epochs(problem, result.weights); },
              [&](const TimeNodes& nodes) {
-               return internal::SumPairConditions(problem, result, model, options, nodes);
+               return fixed_trajectory_internal::SumPairConditions(problem, result, model, options,
+                                                                   nodes);
              })
       .scatter;
 }
 
-AdjustmentErrorCovariance internal::EstimateFromNodeSums(
+AdjustmentErrorCovariance fixed_trajectory_internal::EstimateFromNodeSums(
     double redundancy, const TrajectoryErrorOptions& options,
     const std::function<std::vector<double>()>& epochs_s,
     const std::function<NodeSums(const TimeNodes&)>& sums) {

@@ -12,10 +12,10 @@
 namespace dn {
 namespace {
 
-using internal::AlignInFlight;
-using internal::Antenna;
-using internal::AntennaTrack;
-using internal::InFlight;
+using navigation_internal::AlignInFlight;
+using navigation_internal::Antenna;
+using navigation_internal::AntennaTrack;
+using navigation_internal::InFlight;
 
 // Limits of the window of the in-flight alignment: it must be long enough for a turn and short
 // enough for the drift of the gyros.

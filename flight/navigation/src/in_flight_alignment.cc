@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace dn::internal {
+namespace dn::navigation_internal {
 namespace {
 
 // Noise of the second differences, as an acceleration, for which their spacing is chosen.
@@ -103,4 +103,4 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   return result;
 }
 
-}  // namespace dn::internal
+}  // namespace dn::navigation_internal

@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace dn::internal {
+namespace dn::navigation_internal {
 
 /// A GNSS antenna position in the map frame.
 struct Antenna {
@@ -43,4 +43,4 @@ struct InFlight {
 /// three triples of positions.
 InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const ImuCorrection& bias);
 
-}  // namespace dn::internal
+}  // namespace dn::navigation_internal

@@ -19,7 +19,7 @@ namespace dn {
 namespace {
 
 using Eigen::Vector3d;
-using internal::Antenna;
+using navigation_internal::Antenna;
 
 constexpr double kShortestWindowS = 30.0;
 constexpr double kMostSigmaHeadingRad = 15.0 * kRadPerDeg;
@@ -71,7 +71,8 @@ std::vector<Leg> Legs(const Flight& flight, const std::vector<Antenna>& track, d
 }
 
 std::vector<Antenna> WholeTrack(const Flight& flight) {
-  return internal::AntennaTrack(flight, {flight.imu->t_begin_s(), flight.imu->t_end_s()});
+  return navigation_internal::AntennaTrack(flight,
+                                           {flight.imu->t_begin_s(), flight.imu->t_end_s()});
 }
 
 /// Returns the moving legs, at least half a window apart.
@@ -88,8 +89,8 @@ std::vector<Leg> SpacedLegs(const Flight& flight, double window_s) {
 /// Returns the course of a leg in body axes from an alignment over the window that begins with the
 /// leg. Returns nullopt if the window does not determine the attitude.
 std::optional<Vector3d> CourseInBody(const Flight& flight, const Leg& leg, double window_s) {
-  const internal::InFlight start =
-      internal::AlignInFlight(flight, {leg.t_begin_s, leg.t_begin_s + window_s}, {});
+  const navigation_internal::InFlight start =
+      navigation_internal::AlignInFlight(flight, {leg.t_begin_s, leg.t_begin_s + window_s}, {});
   if (!start.valid || start.sigma_heading_rad > kMostSigmaHeadingRad) return std::nullopt;
   Vector3d course_m = leg.v_m;
   course_m.z() = 0.0;
@@ -97,23 +98,23 @@ std::optional<Vector3d> CourseInBody(const Flight& flight, const Leg& leg, doubl
 }
 
 double WindowLength(const Flight& flight) {
-  return std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
+  return std::max(kShortestWindowS, 8.0 * navigation_internal::AlignmentSpacing(flight));
 }
 
 /// Returns the mean misfit of the alignments in windows, m/s^2; nullopt if fewer than three are
 /// valid.
 std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& legs, int threads) {
   const double window_s = WindowLength(flight);
-  std::vector<internal::InFlight> starts(legs.size());
+  std::vector<navigation_internal::InFlight> starts(legs.size());
   ParallelFor(static_cast<int>(legs.size()), threads, [&](int at) {
     const auto k = static_cast<std::size_t>(at);
     const TimeInterval window{legs[k].t_begin_s, legs[k].t_begin_s + window_s};
     const bool covered =
         window.t0_s >= flight.imu->t_begin_s() && window.t1_s <= flight.imu->t_end_s();
-    if (covered) starts[k] = internal::AlignInFlight(flight, window, {});
+    if (covered) starts[k] = navigation_internal::AlignInFlight(flight, window, {});
   });
   double sum = 0.0, n = 0.0;
-  for (const internal::InFlight& start : starts) {
+  for (const navigation_internal::InFlight& start : starts) {
     if (!start.valid) continue;
     sum += start.misfit_mps2;
     n += 1.0;

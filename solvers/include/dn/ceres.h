@@ -52,7 +52,7 @@ std::unique_ptr<ceres::CostFunction> MakeCostFunction(Function function, const N
       std::make_shared<const FunctionFactor<Function, R, Kinds...>>(std::move(function), noise));
 }
 
-namespace internal {
+namespace solvers_internal {
 
 /// Stores the first exception of the factors of a problem, because exceptions cannot cross the
 /// threads of Ceres.
@@ -69,7 +69,7 @@ class FactorException {
   std::exception_ptr exception_;
 };
 
-}  // namespace internal
+}  // namespace solvers_internal
 
 /// The active factors of a network as a ceres::Problem. It works on the values stored in the
 /// network, which must outlive it: solving the problem moves the network.
@@ -90,7 +90,7 @@ class NetworkProblem {
   void AddBlock(BlockRecord& block);
   ceres::Manifold* FindManifold(const BlockKind& kind);
 
-  internal::FactorException exception_;
+  solvers_internal::FactorException exception_;
   std::vector<std::pair<BlockKind, std::unique_ptr<ceres::Manifold>>> manifolds_;
   ceres::Problem problem_;
 };

@@ -26,7 +26,7 @@ class BlockViews {
   int size_;
 };
 
-namespace internal {
+namespace core_internal {
 
 template <class Result>
 struct IsOptional : std::false_type {};
@@ -95,7 +95,7 @@ bool Whiten(const Eigen::Matrix<double, R, R>& W, const Result& result, T* r) {
   return true;
 }
 
-}  // namespace internal
+}  // namespace core_internal
 
 /// Factor of a function: r = W f(blocks), differentiated automatically. See Network::Add.
 template <class Function, int R, class... Kinds>
@@ -120,7 +120,7 @@ class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>
  private:
   template <class T, std::size_t... I>
   bool Residual(const T* const* x, T* r, std::index_sequence<I...>) const {
-    return internal::Whiten<R, T>(W_, function_(MakeView<Kinds>(x[I])...), r);
+    return core_internal::Whiten<R, T>(W_, function_(MakeView<Kinds>(x[I])...), r);
   }
 
   Function function_;
@@ -142,7 +142,7 @@ class ListFunctionFactor final : public DynamicFactor {
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     const auto n = static_cast<int>(block_kinds().size());
     const auto residual = [this, n]<class T>(const T* const* blocks, T* out) {
-      return internal::Whiten<R, T>(W_, function_(BlockViews<Kind, T>(blocks, n)), out);
+      return core_internal::Whiten<R, T>(W_, function_(BlockViews<Kind, T>(blocks, n)), out);
     };
     if (J == nullptr) return residual(x, r);
     return DifferentiateDynamic(residual, stored_sizes(), R, x, r, J);

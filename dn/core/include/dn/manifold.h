@@ -32,7 +32,7 @@ concept ManifoldKind = requires(const double* x, double* y) {
   M::Minus(x, x, y);
 };
 
-namespace internal {
+namespace core_internal {
 
 template <class Kind>
 concept BuiltInKind = requires {
@@ -86,24 +86,24 @@ struct BlockValue<Kind> {
   using type = typename Kind::Value;
 };
 
-}  // namespace internal
+}  // namespace core_internal
 
 /// Returns the run-time description of a block kind: a built-in kind or a ManifoldKind.
 template <class Kind>
 constexpr BlockKind MakeBlockKind() {
-  if constexpr (internal::BuiltInKind<Kind>) {
+  if constexpr (core_internal::BuiltInKind<Kind>) {
     return Kind::kKind;
   } else {
     static_assert(ManifoldKind<Kind>,
                   "a block kind needs kSize, kTangentSize, Plus and Minus: see dn/manifold.h");
     return {Parametrisation::kManifold, Kind::kSize, Kind::kTangentSize,
-            &internal::kManifoldFunctions<Kind>};
+            &core_internal::kManifoldFunctions<Kind>};
   }
 }
 
 /// Type of Network::Value for a block kind.
 template <class Kind>
-using BlockValue = typename internal::BlockValue<Kind>::type;
+using BlockValue = typename core_internal::BlockValue<Kind>::type;
 
 /// Returns the view of a block with the numbers x that functions given to Network::Add receive.
 template <class Kind, class T>

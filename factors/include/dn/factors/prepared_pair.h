@@ -40,12 +40,12 @@ struct PreparedPair {
 Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
                          const Eigen::Vector3d& l_b);
 
-namespace internal {
+namespace factors_internal {
 
 /// Throws InvalidInput if a laser vector is zero, or if it or a nominal position is not finite.
 /// Also throws if the mounting matrix is not a rotation (1e-6).
 void CheckPreparedPair(const PreparedPair& pair);
 
-}  // namespace internal
+}  // namespace factors_internal
 
 }  // namespace dn

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// Drift: true boresight = boresight + value (t - middle). Step: true boresight = boresight + value
@@ -40,4 +40,4 @@ EffectAction BoresightStep(const EffectSite& site) {
   return std::make_shared<BoresightMotion>(false, *site.times.t0_s);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

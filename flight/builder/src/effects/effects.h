@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace dn::internal {
+namespace dn::builder_internal {
 
 /// Each function makes the effect of the same name; see EstimableEffect::make.
 EffectAction AccelScaleFactor(const EffectSite& site);
@@ -36,4 +36,4 @@ Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig& config);
 /// Returns the first and last time tag of the pairs, s; both are 0 without pairs.
 std::pair<double, double> LidarSpan(const Flight& flight);
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// A constant offset (east, north, up) of the positions during a time window.
@@ -43,4 +43,4 @@ EffectAction GnssPositionStep(const EffectSite& site) {
   return std::make_shared<PositionStep>(MiddleEnuAxes(site.flight), *site.times.window_s);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

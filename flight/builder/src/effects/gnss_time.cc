@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// tag = t + value.
@@ -43,4 +43,4 @@ EffectAction GnssTimeDrift(const EffectSite& site) {
   return std::make_shared<GnssTagDrift>(any ? site.flight.gnss->epochs.front().t_s : 0.0);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 
 // Adds g times the value toward north and east to the gravity vector. The change is assigned to
 // gravitation, because the centrifugal part depends only on the rotation of the Earth.
@@ -19,4 +19,4 @@ EffectAction GravityDisturbance(const EffectSite& site) {
   });
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// Adds value (rad/s per m/s^2) times the specific force along the same axis to each angular rate.
@@ -23,4 +23,4 @@ class GSensitivity final : public ImuEffect {
 
 EffectAction GyroGSensitivity(const EffectSite&) { return std::make_shared<GSensitivity>(); }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

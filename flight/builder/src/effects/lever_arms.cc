@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// true lever arm = assumed + value, body axes.
@@ -41,4 +41,4 @@ Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config) {
   return config.lidar ? config.lidar->mounting.lever_arm_b_m : Eigen::Vector3d::Zero().eval();
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -1,6 +1,6 @@
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// measured range = (1 + scale) true range + offset, where the value is either the scale or the
@@ -36,4 +36,4 @@ class Range final : public LidarEffect {
 EffectAction LidarRangeOffset(const EffectSite&) { return std::make_shared<Range>(false); }
 EffectAction LidarRangeScale(const EffectSite&) { return std::make_shared<Range>(true); }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

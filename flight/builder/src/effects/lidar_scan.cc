@@ -5,7 +5,7 @@
 
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -95,4 +95,4 @@ EffectAction LidarScanCone(const EffectSite& site) {
   return std::make_shared<ScanCone>(RequireLidar(site.flight));
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 /// tag = t + value.
@@ -58,4 +58,4 @@ EffectAction LidarTimeDrift(const EffectSite& site) {
   return std::make_shared<LidarTagDrift>(LidarSpan(site.flight).first);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 using Eigen::Matrix3d;
@@ -45,4 +45,4 @@ EffectAction AccelMisalignment(const EffectSite&) {
   return std::make_shared<TriadMisalignment>(false);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -2,7 +2,7 @@
 
 #include "effects.h"
 
-namespace dn::internal {
+namespace dn::builder_internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -45,4 +45,4 @@ EffectAction AccelScaleFactor(const EffectSite&) {
   return std::make_shared<TriadScaleFactor>(false);
 }
 
-}  // namespace dn::internal
+}  // namespace dn::builder_internal

@@ -36,14 +36,14 @@ struct Propagated {
   }
 };
 
-namespace internal {
+namespace solvers_internal {
 
 template <class Jet, class Result>
 auto AsVector(const Result& result) {
   if constexpr (std::is_same_v<Result, Jet>) {
     return Eigen::Matrix<Jet, 1, 1>(result);
   } else if constexpr (std::is_base_of_v<Eigen::EigenBase<Result>, Result>) {
-    static_assert(!IsExpression<Result>(),
+    static_assert(!core_internal::IsExpression<Result>(),
                   "Propagate: the function returns an Eigen expression, which may refer to values "
                   "that no longer exist: end it with .eval()");
     static_assert(std::is_same_v<typename Result::Scalar, Jet>,
@@ -66,7 +66,7 @@ auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
   return AsVector<T>(f(MakeView<Kinds>(x[I])...));
 }
 
-}  // namespace internal
+}  // namespace solvers_internal
 
 /// Returns the value of f(blocks...) at the values of the marginals, and its covariance J C J^T
 /// with C = Joint.
@@ -82,7 +82,8 @@ template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   constexpr auto kAll = std::index_sequence_for<Kinds...>{};
   using Jet = ceres::Jet<double, (Kinds::kSize + ...)>;
-  using Result = decltype(internal::Apply<Kinds...>(f, std::declval<const Jet* const*>(), kAll));
+  using Result =
+      decltype(solvers_internal::Apply<Kinds...>(f, std::declval<const Jet* const*>(), kAll));
   constexpr int kSize = Result::RowsAtCompileTime;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const std::array x{marginals.linearized().StoredValue(marginals.linearized().Id(blocks))...};
@@ -92,7 +93,7 @@ auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   Propagated<kSize> propagated;
   Differentiate<kSize, Kinds::kSize...>(
       [&](const Jet* const* at, Jet* out) {
-        const Result result = internal::Apply<Kinds...>(f, at, kAll);
+        const Result result = solvers_internal::Apply<Kinds...>(f, at, kAll);
         std::copy_n(result.data(), kSize, out);
         return true;
       },

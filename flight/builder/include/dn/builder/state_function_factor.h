@@ -59,7 +59,7 @@ class StateFunctionFactor final
   template <class T, std::size_t... I>
   bool Residual(const T* const* x, T* r, std::index_sequence<I...>) const {
     [[maybe_unused]] const T* const* own = x + 3 + num_gyro_biases_ + num_accel_biases_;
-    return internal::Whiten<R, T>(W_, function_(StateAt(x), MakeView<Own>(own[I])...), r);
+    return core_internal::Whiten<R, T>(W_, function_(StateAt(x), MakeView<Own>(own[I])...), r);
   }
 
   template <class T>
