@@ -7,6 +7,9 @@ target_compile_options(dn_dev_flags INTERFACE
   # gcc 12 reports false overlaps and overflows for "text" + std::string (gcc bug 105651), more
   # often with precompiled headers. The address sanitizer finds real ones.
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>"
+  # In a unity build gcc takes the joined sources for headers, in which types that only one of them
+  # uses would be a mistake.
+  "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>"
   $<$<BOOL:${DN_WERROR}>:-Werror>)
 if(DN_SANITIZE)
   target_compile_options(dn_dev_flags INTERFACE

@@ -103,9 +103,9 @@ double RestrictedLogLikelihood(const Marginals& marginals) {
 }
 
 struct VarianceLikelihood::Impl {
-  Impl(const LinearizedNetwork& linearized, const Eigen::VectorXd& share, int threads)
+  Impl(const LinearizedNetwork& linearized, const Eigen::VectorXd& row_share, int threads)
       : network(linearized.impl()),
-        share(share),
+        share(row_share),
         equations(network.layout, network.linearization),
         workers(static_cast<std::size_t>(std::clamp(threads, 1, kMaxThreads))) {
     if (network.layout.size() == 0) return;

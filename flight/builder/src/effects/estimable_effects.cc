@@ -20,7 +20,7 @@ constexpr const char* kMount =
 }  // namespace
 
 const std::vector<EstimableEffect>& EstimableEffects() {
-  using namespace internal;
+  using namespace builder_internal;
   static const std::vector<EstimableEffect> effects{
       {EffectId::kAccelScaleFactor, "accelerometer scale factor", kSensor, AccelScaleFactor},
       {EffectId::kAccelMisalignment, "accelerometer misalignment", kAxes, AccelMisalignment},
