@@ -27,9 +27,9 @@
 #include "full_twins.h"
 #include "held_out.h"
 #include "hidden_effects.h"
+#include "lap_times.h"
 #include "shrinkage.h"
 #include "slots.h"
-#include "stopwatch.h"
 #include "tie_breaker.h"
 #include "unavailable.h"
 
@@ -467,7 +467,7 @@ class Diagnosis {
   const GapOptions& options_;
   ExtendedModelFitter fitter_;
   GapDiagnosis out_;
-  Stopwatch watch_;
+  LapTimes watch_;
   Compared before_, after_;
 };
 

@@ -19,9 +19,9 @@
 #include "decision.h"
 #include "gauss_helmert_evidence.h"
 #include "hidden_effects.h"
+#include "lap_times.h"
 #include "outlier_evidence.h"
 #include "slots.h"
-#include "stopwatch.h"
 #include "twins.h"
 #include "unavailable.h"
 
@@ -473,7 +473,7 @@ class GaussHelmertDiagnosis {
   GaussHelmertLibrary library_;
   GaussHelmertEvidence evidence_;
   GapDiagnosis out_;
-  Stopwatch watch_;
+  LapTimes watch_;
   ExtendedPairFit base_, final_;
   ComparedPairs before_, after_;
   std::vector<ScreenedEffect> chosen_;

@@ -4,10 +4,9 @@
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
 #include <dn/parallel.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "fixed_trajectory.h"
@@ -17,7 +16,6 @@
 namespace dn {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
 // Width for the chi-distributed norm of a pair's misclosure; one good pair in ten exceeds it.
@@ -114,7 +112,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   };
   internal::CheckEstimate(flight.config, "the Gauss-Helmert adjustment");
   internal::CheckTrajectory(flight);
-  const auto start = Clock::now();
+  Stopwatch watch;
   GaussHelmertCalibration calibration;
   stage("poses of the pairs");
   calibration.problem =
@@ -129,9 +127,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                        " iterations; check the mounting matrix, and that the pairs belong to this "
                        "flight");
   }
-  calibration.solve_time_s = SecondsSince(start);
+  calibration.solve_time_s = watch.Restart();
 
-  const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = internal::MeanRange(calibration.problem);
@@ -144,7 +141,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   internal::Assess(flight, &calibration);
   calibration.model_check = internal::CheckGaussHelmert(flight, strips, calibration);
   Assess(calibration.model_check, &calibration.boresight);
-  calibration.covariance_time_s = SecondsSince(covariance_start);
+  calibration.covariance_time_s = watch.seconds();
   return calibration;
 }
 
