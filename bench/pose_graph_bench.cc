@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
+#include <dn/solvers/solve.h>
 
 #include <cmath>
 #include <string>
@@ -71,6 +72,23 @@ void BM_AllPosesByMarginals(benchmark::State& state) {
   state.counters["poses"] = static_cast<double>(graph.poses.size());
 }
 BENCHMARK(BM_AllPosesByMarginals)->Arg(2)->Arg(8)->Arg(20)->Arg(50)->Unit(benchmark::kMillisecond);
+
+/// Solves from displaced poses and computes the covariance of every pose.
+void BM_SolveAndAllPoses(benchmark::State& state) {
+  constexpr double kDisplacement_m = 0.1;
+  PoseGraph graph = MakeSphere(static_cast<int>(state.range(0)), 50);
+  for (auto _ : state) {
+    for (std::size_t k = 1; k < graph.poses.size(); ++k) {
+      double* pose = graph.net.block(graph.poses[k]).value.get();
+      pose[4 + k % 3] += kDisplacement_m;
+    }
+    const SolveReport report = Solve(graph.net, {.sigma_tolerance = 1e-3});
+    if (!report.converged) state.SkipWithError(report.message.c_str());
+    benchmark::DoNotOptimize(ByMarginals(graph).size());
+  }
+  state.counters["poses"] = static_cast<double>(graph.poses.size());
+}
+BENCHMARK(BM_SolveAndAllPoses)->Arg(100)->Iterations(3)->Unit(benchmark::kMillisecond);
 
 void BM_AllPosesByCeres(benchmark::State& state) {
   PoseGraph graph = MakeSphere(static_cast<int>(state.range(0)), 50);

@@ -1,9 +1,9 @@
 # Finds all dependencies of dn. dnConfig.cmake repeats those that a project linking dn needs. Debian
-# has no CMake package for GeographicLib or OpenBLAS; SuiteSparse::CHOLMOD comes with Ceres.
+# has no CMake package for GeographicLib, and BLAS has an order; SuiteSparse::CHOLMOD comes with Ceres.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED)
 find_package(DnGeographicLib REQUIRED)
-find_package(DnOpenBLAS REQUIRED)
+find_package(DnBlas REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(fmt REQUIRED)

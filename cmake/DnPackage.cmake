@@ -20,6 +20,6 @@ install(FILES
   ${PROJECT_BINARY_DIR}/dnConfig.cmake
   ${PROJECT_BINARY_DIR}/dnConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FindDnGeographicLib.cmake
-  ${PROJECT_SOURCE_DIR}/cmake/FindDnOpenBLAS.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindDnBlas.cmake
   DESTINATION ${DN_CONFIG_DIR})
 install(FILES LICENSE LICENSE.note DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -2,9 +2,8 @@
 
 #include <dn/files/strip_files.h>
 #include <dn/matching/shared_planes.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 
-#include <chrono>
 #include <utility>
 
 #include "match_flight.h"
@@ -19,7 +18,7 @@ std::string WhyNoPlanes(const FlightConfig& config) {
 
 PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                            const std::string& trajectory, Run* run) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const MatchedFlight opened = OpenFlightStrips(config, trajectory, kLastReturns, *run);
   SharePlanesOptions options;
   options.strips.gsd_m = flight.config.lidar->gsd_m;
@@ -41,7 +40,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                     {"spacing_m", shared.spacing_m},
                     {"share_of_overlap", shared.share}};
   run->report["planes"] = out.extraction;
-  out.timings.read_s = SecondsSince(start);
+  out.timings.read_s = watch.seconds();
 
   GaussHelmertFlightOptions calibrate;
   calibrate.vectors = opened.origin;

@@ -1,7 +1,7 @@
 #include "child_process.h"
 
 #include <dn/interrupted.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -55,7 +55,7 @@ pid_t Start(const std::vector<std::string>& command, const std::string& output_f
 
 ProcessUsage RunProgram(const std::vector<std::string>& command,
                         const std::filesystem::path& output_file, const ProcessLimits& limits) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const pid_t child = Start(command, output_file.string());
   bool interrupted = false;
   std::optional<double> asked_at_s;
@@ -68,7 +68,7 @@ ProcessUsage RunProgram(const std::vector<std::string>& command,
       throw std::system_error(errno, std::generic_category(), "wait4");
     }
     interrupted = interrupted || (limits.interrupted && limits.interrupted());
-    const double now_s = SecondsSince(start);
+    const double now_s = watch.seconds();
     if (!asked_at_s && (interrupted || now_s > limits.longest_s)) {
       ::kill(child, SIGTERM);
       asked_at_s = now_s;
@@ -76,7 +76,7 @@ ProcessUsage RunProgram(const std::vector<std::string>& command,
     if (asked_at_s && now_s > *asked_at_s + kGrace_s) ::kill(child, SIGKILL);
     std::this_thread::sleep_for(kPoll);
   }
-  const double wall_s = SecondsSince(start);
+  const double wall_s = watch.seconds();
   if (interrupted) throw dn::Interrupted();
   if (WIFEXITED(status) && WEXITSTATUS(status) == kCannotRun) {
     throw std::system_error(ENOENT, std::generic_category(), "cannot run " + command.front());

@@ -4,7 +4,6 @@
 #include <dn/adjustment/adjust.h>
 #include <dn/error.h>
 #include <dn/page/page.h>
-#include <dn/seconds_since.h>
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -170,7 +169,7 @@ Json Run::EmptyReport() const {
 Json Run::FailureReport(Json failed, const std::string& kind, const std::string& message) const {
   failed["error"] = {{"kind", kind}, {"message", message}};
   failed["files"] = {kReportName};
-  failed["timings_s"]["total"] = SecondsSince(start_);
+  failed["timings_s"]["total"] = watch_.seconds();
   return failed;
 }
 
@@ -213,7 +212,7 @@ void Run::ReadsStrips() {
 void Run::Publish() {
   if (files_ && !report.contains("inputs")) report["inputs"] = InputFilesJson(options_.inputs);
   if (!BeginPublishing()) throw dn::Interrupted();
-  report["timings_s"]["total"] = SecondsSince(start_);
+  report["timings_s"]["total"] = watch_.seconds();
   if (!files_) return;
   report["files"] = files_->staged();
   report["files"].insert(report["files"].end(), {kReportName, kPageName});

@@ -3,9 +3,9 @@
 #include <dn/error.h>
 #include <dn/files/atomic_file.h>
 #include <dn/report/json.h>
+#include <dn/stopwatch.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -97,7 +97,7 @@ class Run {
   std::string command_;
   CommonOptions options_;
   std::unique_ptr<OutputDirectory> files_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
 };
 
 /// Runs the body. Reports an exception as an error line on stderr and in report.json. Returns the

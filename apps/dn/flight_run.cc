@@ -6,11 +6,10 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "data_hints.h"
 
@@ -150,7 +149,7 @@ Json RejectedGnssJson(const FlightRun& flight_run) {
 }  // namespace
 
 std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   run->progress.Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.imu = true;
@@ -158,7 +157,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.pairs = with_pairs;
   needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
-  return AdjustFlight(std::move(flight), SecondsSince(start), with_pairs, run);
+  return AdjustFlight(std::move(flight), watch.seconds(), with_pairs, run);
 }
 
 std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_pairs, Run* run) {
@@ -168,7 +167,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   result->hints = FormatHints(result->flight, run->options().threads);
   ReportReading(*result, run);
 
-  const auto solve_start = std::chrono::steady_clock::now();
+  const Stopwatch solve_watch;
   AdjustOptions options;
   options.with_pairs = with_pairs;
   options.threads = run->options().threads;
@@ -177,9 +176,9 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   };
   options.interrupted = [] { return apps::SignalReceived(); };
   Adjustment adjustment = AdjustNamingCauses(result->flight, options, result->hints);
-  result->timings.solve_s = SecondsSince(solve_start);
+  result->timings.solve_s = solve_watch.seconds();
 
-  const auto covariance_start = std::chrono::steady_clock::now();
+  const Stopwatch covariance_watch;
   run->progress.Stage("covariances");
   const Solution& solution = result->solution.emplace(std::move(adjustment), options.threads);
   solution.trajectory();
@@ -187,11 +186,11 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   solution.model_check();
   result->trajectory =
       Trajectory(DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads));
-  result->timings.covariance_s = SecondsSince(covariance_start);
+  result->timings.covariance_s = covariance_watch.seconds();
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
                 warnings.end(), [run](const std::string& warning) { run->progress.Warn(warning); });
-  result->timings.total_s = read_s + SecondsSince(solve_start);
+  result->timings.total_s = read_s + solve_watch.seconds();
   return result;
 }
 

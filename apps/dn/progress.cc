@@ -1,7 +1,6 @@
 #include "progress.h"
 
 #include <dn/report/json.h>
-#include <dn/seconds_since.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -61,7 +60,7 @@ void Progress::Stage(const std::string& stage, const std::string& detail) {
 }
 
 void Progress::Stage(const std::string& stage, const Share& share) {
-  const std::optional<double> left_s = time_left_.At(share, SecondsSince(start_));
+  const std::optional<double> left_s = time_left_.At(share, watch_.seconds());
   std::string detail = Text(share);
   if (!as_json_ && left_s && *left_s > kMinTimeLeft_s) {
     detail += ", about " + TimeText(*left_s) + " left";
@@ -91,7 +90,7 @@ void Progress::Show(const Moment& moment) {
 }
 
 void Progress::ShowJson(const Moment& moment, bool entered) {
-  const double now_s = SecondsSince(start_);
+  const double now_s = watch_.seconds();
   const bool complete = moment.share && moment.share->done >= moment.share->of;
   if (!entered && !complete && now_s - last_json_s_ < kMinJsonInterval_s) return;
   last_json_s_ = now_s;

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <chrono>
+#include <dn/stopwatch.h>
+
 #include <optional>
 #include <string>
 
@@ -55,7 +56,7 @@ class Progress {
   std::string command_;
   std::string stage_;
   TimeLeft time_left_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
   double last_json_s_ = 0.0;
   bool as_json_;
   bool terminal_;

@@ -9,8 +9,8 @@
 
 #include "decision.h"
 #include "detection_limits.h"
+#include "lap_times.h"
 #include "screen.h"
-#include "stopwatch.h"
 #include "unavailable.h"
 
 namespace dn {
@@ -47,7 +47,7 @@ Screen ScreenDesign(const Flight& flight, const GapOptions& options, long* rows)
 GapResult DiagnoseDesignLimits(const Flight& flight, const GapOptions& options) {
   GapDiagnosis diagnosis;
   diagnosis.flight = flight.config.name;
-  Stopwatch watch(&diagnosis.timings_s);
+  LapTimes watch(&diagnosis.timings_s);
   const Screen screen = ScreenDesign(flight, options, &diagnosis.validity.observations);
   diagnosis.could_still_hide = ComputeDetectionLimits(screen, kDesignThresholdNats, options.seed);
   watch.Lap("limits");

@@ -20,9 +20,9 @@
 #include "fixed_trajectory_source.h"
 #include "forward_selection.h"
 #include "gap_source.h"
+#include "lap_times.h"
 #include "network_source.h"
 #include "simulated_replicates.h"
-#include "stopwatch.h"
 #include "tie_breaker.h"
 #include "unavailable.h"
 
@@ -349,7 +349,7 @@ class Diagnosis {
   const GapOptions& options_;
   GapSource& source_;
   GapDiagnosis out_;
-  Stopwatch watch_;
+  LapTimes watch_;
   Comparison before_, after_;
   Selection selection_;
   std::vector<CompetingHypotheses> hypotheses_;

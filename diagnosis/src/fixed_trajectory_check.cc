@@ -1,11 +1,10 @@
 #include <dn/diagnosis/model_check.h>
 #include <dn/distributions.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -15,8 +14,6 @@
 
 namespace dn {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Compares the sum of squares of an adjustment with its expectation under the stated,
 /// time-correlated errors of the trajectory.
@@ -58,10 +55,10 @@ std::optional<PriorCheck> CheckStatedPrior(const GaussHelmertCalibration& calibr
 
 template <class Calibration>
 ModelCheck CheckAndAssess(const Flight& flight, Calibration* calibration) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   ModelCheck check = CheckModel(flight, *calibration);
   Assess(check, &calibration->boresight);
-  calibration->covariance_time_s += SecondsSince(start);
+  calibration->covariance_time_s += watch.seconds();
   return check;
 }
 

@@ -1,9 +1,8 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 
 #include <Eigen/Cholesky>
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -46,24 +45,22 @@ void Marginals::Impl::Factor(const MarginalsOptions& options) {
   const Linearization& linearization = network().linearization;
   const std::shared_ptr<SharedAnalysis> shared =
       options.analysis ? options.analysis : std::make_shared<SharedAnalysis>();
-  auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   shared->impl().Assemble(layout(), linearization, options.linear_algebra);
   sparse::SymmetricCsc& N = shared->impl().equations->N;
   scale = sparse::JacobiScale(N);
   sparse::ApplyScale(scale, &N);
   cholesky = std::make_unique<sparse::Cholesky>(*shared->impl().cholesky);
   timings.analyze_s = shared->impl().analyze_s;
-  timings.assemble_s = SecondsSince(start) - timings.analyze_s;
+  timings.assemble_s = watch.Restart() - timings.analyze_s;
 
-  start = std::chrono::steady_clock::now();
   const bool definite = cholesky->Factorize(N, 0.0, threads);
-  timings.factor_s = SecondsSince(start);
+  timings.factor_s = watch.Restart();
 
-  start = std::chrono::steady_clock::now();
   if (!definite || ProbeInformation(linearization, scale, *cholesky) < kProbeThreshold) {
     ExamineRank(N, definite, options.null_tolerance);
   }
-  timings.rank_s = SecondsSince(start);
+  timings.rank_s = watch.seconds();
 }
 
 void Marginals::Impl::ExamineRank(const sparse::SymmetricCsc& scaled_N, bool definite,
@@ -235,9 +232,9 @@ Eigen::MatrixXd Marginals::Columns::Rows(BlockId b) const { return impl_->Rows(c
 
 Marginals::Marginals(const Network& network, const MarginalsOptions& options) {
   options.Validate();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   LinearizedNetwork linearized(network, options.threads);
-  const double evaluate_s = SecondsSince(start);
+  const double evaluate_s = watch.seconds();
   const sparse::SerialBlas serial;
   impl_ = std::make_shared<Impl>(std::move(linearized), options);
   impl_->timings.assemble_s += evaluate_s;
@@ -295,10 +292,10 @@ Eigen::MatrixXd Marginals::Solve(const Eigen::MatrixXd& rhs) const {
 
 void Marginals::ComputeSelectedInverse() {
   if (impl_->selected || impl_->layout().size() == 0) return;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const sparse::SerialBlas serial;
   impl_->selected = std::make_unique<sparse::SelectedInverse>(*impl_->cholesky, impl_->threads);
-  impl_->timings.selected_inverse_s = SecondsSince(start);
+  impl_->timings.selected_inverse_s = watch.seconds();
 }
 
 Eigen::MatrixXd Marginals::DiagonalBlock(BlockId a) const {

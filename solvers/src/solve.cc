@@ -4,14 +4,13 @@
 #include <dn/ceres.h>
 #include <dn/error.h>
 #include <dn/parallel.h>
-#include <dn/seconds_since.h>
 #include <dn/solvers/check_jacobians.h>
 #include <dn/solvers/eliminate.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
+#include <dn/stopwatch.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <memory>
 #include <string>
@@ -157,18 +156,18 @@ constexpr int kLargeNetwork = 100;
 /// finish.
 SolveReport Attempt(Network& network, const SolveOptions& options,
                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   sparse::GaussNewtonReport undamped;
   if (options.start_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
     undamped = sparse::GaussNewton(network, options);
-    if (!undamped.unfinished) return FinishedReport(undamped, SecondsSince(start));
+    if (!undamped.unfinished) return FinishedReport(undamped, watch.seconds());
   }
   if (undamped.initial_reported) observer->ContinueAfter(undamped.iterations);
   ceres_options.max_num_iterations -= undamped.iterations;
   SolveReport report = DampedSteps(network, ceres_options, *observer);
   if (undamped.initial_reported) report.initial_cost = undamped.initial_cost;
   report.iterations += undamped.iterations;
-  report.time_s = SecondsSince(start);
+  report.time_s = watch.seconds();
   return report;
 }
 

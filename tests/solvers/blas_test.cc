@@ -17,9 +17,9 @@ std::string FindLibrary(const char* function) {
 }
 
 // Debian's Ceres pulls in ATLAS, with which CHOLMOD is about twice as slow.
-TEST(Blas, CholmodsKernelsComeFromOpenBlas) {
+TEST(Blas, CholmodsKernelsComeFromTheChosenLibrary) {
   for (const char* function : {"dgemm_", "dsyrk_", "dtrsm_", "dsymm_"}) {
-    EXPECT_NE(FindLibrary(function).find("openblas"), std::string::npos)
+    EXPECT_NE(FindLibrary(function).find(DN_BLAS_NAME), std::string::npos)
         << function << " is found in '" << FindLibrary(function) << "'";
   }
 }
@@ -29,8 +29,7 @@ TEST(Blas, ThreadCountIsGivenBack) {
   using Set = void (*)(int);
   const auto get = reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
   const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-  ASSERT_NE(get, nullptr);
-  ASSERT_NE(set, nullptr);
+  if (get == nullptr || set == nullptr) GTEST_SKIP() << "this BLAS has no threads to set";
   set(2);
   const int before = get();
   testing::PoseGraph graph = testing::MakePoseGraph(0);

@@ -47,8 +47,7 @@ TEST(ParallelSettings, TheLogIsQuietUntilTheLastThreadHasEnded) {
 TEST(ParallelSettings, BlasIsSerialUntilTheLastThreadHasEnded) {
   const auto get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
   const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-  ASSERT_NE(get, nullptr);
-  ASSERT_NE(set, nullptr);
+  if (get == nullptr || set == nullptr) GTEST_SKIP() << "this BLAS has no threads to set";
   set(2);
   Overlap<sparse::SerialBlas>([get](int holders) { EXPECT_EQ(get(), holders > 0 ? 1 : 2); });
 }

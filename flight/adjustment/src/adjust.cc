@@ -1,7 +1,6 @@
 #include <dn/adjustment/stages.h>
 #include <dn/error.h>
-
-#include <chrono>
+#include <dn/stopwatch.h>
 
 #include "expect_pairs.h"
 
@@ -25,14 +24,13 @@ Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
     throw InvalidInput("adjustment: the flight has no inertial or GNSS data");
   }
   if (options.with_pairs) adjustment_internal::ExpectPairs(flight);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   AdjustmentRun run(flight, options);
   const auto& stages = options.stages.empty() ? DefaultStages(options.with_pairs) : options.stages;
   for (const AdjustmentStage& stage : stages) stage.run(run);
   run.ExpectCustomised();
   run.result().residual_final_m = run.MeanPairDifference();
-  run.result().time_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  run.result().time_s = watch.seconds();
   return std::move(run.result());
 }
 

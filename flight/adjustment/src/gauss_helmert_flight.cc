@@ -4,10 +4,9 @@
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
 #include <dn/parallel.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "fixed_trajectory.h"
@@ -16,7 +15,6 @@
 namespace dn {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
 // Width for the chi-distributed norm of a pair's misclosure; one good pair in ten exceeds it.
@@ -113,7 +111,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   };
   adjustment_internal::CheckEstimate(flight.config, "the Gauss-Helmert adjustment");
   adjustment_internal::CheckTrajectory(flight);
-  const auto start = Clock::now();
+  Stopwatch watch;
   GaussHelmertCalibration calibration;
   stage("poses of the pairs");
   calibration.problem =
@@ -128,9 +126,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                        " iterations; check the mounting matrix, and that the pairs belong to this "
                        "flight");
   }
-  calibration.solve_time_s = SecondsSince(start);
+  calibration.solve_time_s = watch.Restart();
 
-  const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = adjustment_internal::MeanRange(calibration.problem);
@@ -142,7 +139,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   adjustment_internal::FillBoresight(calibration.scatter, &calibration);
   FillFigures(&calibration);
   adjustment_internal::Assess(flight, &calibration);
-  calibration.covariance_time_s = SecondsSince(covariance_start);
+  calibration.covariance_time_s = watch.seconds();
   return calibration;
 }
 

@@ -1,11 +1,10 @@
 #include <dn/adjustment/plane_flight.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
-#include <dn/seconds_since.h>
+#include <dn/stopwatch.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -16,7 +15,6 @@
 namespace dn {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
 constexpr long kMinPlanes = 10;
@@ -163,7 +161,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
     if (options.progress) options.progress(name);
   };
   adjustment_internal::CheckTrajectory(flight);
-  const auto start = Clock::now();
+  Stopwatch watch;
   PlaneCalibration calibration;
   calibration.problem = MakePlaneProblem(flight, std::move(planes));
   calibration.origin = options.vectors;
@@ -178,9 +176,8 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
                        " iterations; check the mounting matrix, and that the strips belong to this "
                        "flight");
   }
-  calibration.solve_time_s = SecondsSince(start);
+  calibration.solve_time_s = watch.Restart();
 
-  const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
   const std::vector<const GaussHelmertEnd*> ends = KeptEnds(calibration);
   const std::vector<StripInterval> strips = FindStrips(flight);
@@ -195,7 +192,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
   FillFigures(&calibration);
   FillUnknowns(&calibration);
   Assess(flight, &calibration);
-  calibration.covariance_time_s = SecondsSince(covariance_start);
+  calibration.covariance_time_s = watch.seconds();
   return calibration;
 }
 

@@ -3,9 +3,9 @@
 #include <dn/geo/read_file.h>
 #include <dn/geo/week_seconds.h>
 #include <dn/parallel.h>
+#include <dn/stopwatch.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "is_there.h"
 #include "pair_coverage.h"
@@ -307,10 +307,9 @@ class FolderReader {
 }  // namespace
 
 Flight ReadFlight(const FlightConfig& config, const FlightNeeds& needs) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Flight flight = FolderReader(config, needs).Read();
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  flight.read_time_s = elapsed.count();
+  flight.read_time_s = watch.seconds();
   return flight;
 }
 

@@ -13,7 +13,8 @@ namespace {
 // Upper bound of the memory that OpenBLAS maps for each calling thread.
 constexpr std::size_t kWorkSpaceBytes = std::size_t{136} << 20;
 
-/// Functions of OpenBLAS that are not part of BLAS; all null if another BLAS is linked.
+/// Functions of OpenBLAS that are not part of BLAS; all null if another BLAS is linked. They are
+/// looked up at run time, so that every BLAS links.
 struct OpenBlas {
   int (*get_num_threads)();
   void (*set_num_threads)(int num_threads);

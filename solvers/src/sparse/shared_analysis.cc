@@ -1,6 +1,4 @@
-#include <dn/seconds_since.h>
-
-#include <chrono>
+#include <dn/stopwatch.h>
 
 #include "sparse/shared_analysis_impl.h"
 
@@ -16,10 +14,10 @@ void SharedAnalysis::Impl::Assemble(const UnknownLayout& layout, const Lineariza
   }
   cholesky.reset();
   equations = std::make_unique<sparse::NormalEquations>(layout, linearization);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   cholesky =
       std::make_unique<sparse::Cholesky>(equations->N, equations->blocks, layout, linear_algebra);
-  analyze_s = SecondsSince(start);
+  analyze_s = watch.seconds();
   offset_ = layout.offset;
 }
 

@@ -2,10 +2,10 @@
 #include <dn/error.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>
+#include <dn/stopwatch.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -121,7 +121,7 @@ double FlightRecord::BoresightNees() const {
 
 FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
                        const FlightRecordOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   SimulateOptions simulate;
   simulate.seed = seed;
   simulate.progress = [&](const std::string&, double) {
@@ -151,7 +151,7 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
   } catch (const std::exception& error) {
     record.failure = error.what();
   }
-  record.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  record.time_s = watch.seconds();
   return record;
 }
 

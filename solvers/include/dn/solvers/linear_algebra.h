@@ -2,8 +2,8 @@
 
 namespace dn {
 
-/// Implementation of the sparse Cholesky factorisation and its triangular solutions. The elimination
-/// order, the pattern of the factor and the selected inverse are the same.
+/// Implementation of the sparse Cholesky factorisation and its triangular solutions. Elimination
+/// order, pattern of the factor and selected inverse are the same.
 enum class LinearAlgebra {
   kMultifrontal,  ///< the multifrontal method of this project; uses several threads
   kCholmod,       ///< CHOLMOD's supernodal factorisation

@@ -50,9 +50,9 @@ struct MarginalsOptions {
 /// have no effect. rho' is the derivative of the robust loss, 1 without a loss. The residuals are
 /// whitened: no variance factor is applied.
 ///
-/// N is factored once: N = P^T L L^T P, block-AMD ordering, supernodal. A covariance column then
-/// costs one pair of triangular solves. ComputeSelectedInverse gives every diagonal block, and
-/// every block within the pattern of L, at about the cost of the factorisation.
+/// N is factored once by supernodes: N = P^T L L^T P. The order P of the blocks is the cheaper of
+/// minimum degree and nested dissection. A covariance column costs one pair of triangular solves.
+/// ComputeSelectedInverse gives every block within the pattern of L for about two factorisations.
 ///
 /// A constant block has zero covariance. A block that is not constant but has no active factor has
 /// no covariance: a query for it throws RankDeficient.
