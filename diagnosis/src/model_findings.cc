@@ -20,12 +20,24 @@ namespace {
 constexpr double kMaxShiftInSigmas = 1.0;
 // Noise may be misstated by a factor of 1.4; a larger factor has another cause.
 constexpr double kLargestVarianceRatio = 2.0;
+// A residual beyond this many sigmas is an outlier, whatever the distribution of the noise.
+constexpr double kIsolatedSigmas = 10.0;
 constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
 constexpr double kLargestBoresightDeg = 15.0;
 constexpr double kUpsideDownShare = 0.9;
 constexpr double kConclusive = std::numeric_limits<double>::infinity();
+
+/// Returns true if one residual makes up the misfit of a group.
+bool IsIsolatedRow(const GroupCheck& group) {
+  if (group.p_value > kFamilyLevel || std::abs(group.worst_standardised) < kIsolatedSigmas) {
+    return false;
+  }
+  const double all = group.variance_ratio * group.redundancy;
+  const double worst = std::min(1.0, group.redundancy) * std::pow(group.worst_standardised, 2);
+  return all - worst <= kLargestVarianceRatio * group.redundancy;
+}
 
 class Findings {
  public:
@@ -70,8 +82,16 @@ class Findings {
     }
   }
 
+  /// One wrong measurement bends the residuals of all others, so it comes before what these show.
+  void JudgeIsolatedRows() {
+    for (const GroupCheck& group : check_.groups) {
+      if (IsIsolatedRow(group)) Add(facts::VarianceTooLarge{group}, true, kCertain);
+    }
+  }
+
   void JudgeGroups() {
     for (const GroupCheck& group : check_.groups) {
+      if (IsIsolatedRow(group)) continue;
       if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0) continue;
       const bool contradicts = group.ratio_with_effects > kLargestVarianceRatio;
       Add(facts::VarianceTooLarge{group}, contradicts, 0.0);
@@ -168,6 +188,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
                  ModelCheck* check) {
   const FlightNetwork& network = *adjustment.network;
   Findings findings(check);
+  findings.JudgeIsolatedRows();
   findings.JudgeDiagnosis(network.flight().config);
   findings.JudgePriors();
   if (check->of_boresight) findings.JudgeVectors(network.flight().pairs);
@@ -192,6 +213,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
 void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
                  ModelCheck* check) {
   Findings findings(check);
+  findings.JudgeIsolatedRows();
   findings.JudgeDiagnosis(flight.config);
   findings.JudgeVectors(flight.pairs);
   findings.JudgePriors();
@@ -207,6 +229,7 @@ void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibratio
 
 void AddFindings(const Flight& flight, const PlaneCalibration& calibration, ModelCheck* check) {
   Findings findings(check);
+  findings.JudgeIsolatedRows();
   findings.JudgeDiagnosis(flight.config);
   findings.JudgeVectors(calibration.origin, "");
   findings.JudgeMounting(calibration.boresight.angles_rad);

@@ -108,9 +108,14 @@ bool BlockManifold::Plus(const double* x, const double* d, double* x_plus_d) con
 }
 
 bool BlockManifold::PlusJacobian(const double* x, double* J) const {
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> out(
-      J, kind_.stored_size, kind_.tangent_size);
-  out = dn::PlusJacobian(kind_, x);
+  if (kind_.parametrisation == Parametrisation::kManifold) {
+    kind_.manifold->PlusJacobian(x, J);
+  } else if (kind_.parametrisation == Parametrisation::kVector) {
+    Eigen::Map<Eigen::MatrixXd>(J, kind_.stored_size, kind_.stored_size).setIdentity();
+  } else {
+    Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
+    out = RotationPlusJacobian(kind_.parametrisation, x);
+  }
   return true;
 }
 
