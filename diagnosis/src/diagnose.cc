@@ -29,7 +29,7 @@
 namespace dn {
 namespace {
 
-using namespace internal;
+using namespace diagnosis_internal;
 
 // Fraction of its evidence that a large effect may lose to second-order terms.
 constexpr double kSecondOrder = 0.05;

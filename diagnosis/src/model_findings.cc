@@ -85,7 +85,7 @@ class Findings {
   /// One wrong measurement bends the residuals of all others, so it comes before what these show.
   void JudgeIsolatedRows() {
     for (const GroupCheck& group : check_.groups) {
-      if (IsIsolatedRow(group)) Add(facts::VarianceTooLarge{group}, true, kCertain);
+      if (IsIsolatedRow(group)) Add(facts::VarianceTooLarge{group}, true, kConclusive);
     }
   }
 
