@@ -28,7 +28,7 @@ constexpr std::size_t kFewestPairsOfFlight = 100;
 constexpr double kLargerErrorsNats = 20.0;
 // Norm of a standardised misclosure that counts as an outlier, and the fraction of good pairs above
 // it.
-constexpr double kOutlierPairNorm = 4.6, kGoodPairsLost = 2e-4;
+constexpr double kOutlierPairNorm = 4.6, kGoodNormsLost = 2e-4;
 
 const PairFit& AsPairFit(const ExtendedFit& fit) { return static_cast<const PairFit&>(fit); }
 
@@ -131,7 +131,7 @@ void FixedTrajectorySource::AddOutliers(PairFit* fit) const {
   }
   fit->outliers = static_cast<long>(lengths_m.size());
   fit->effects.push_back(OutlierEffect(EffectId::kP2pOutliers, fit->outliers,
-                                       static_cast<long>(problem.pairs.size()), kGoodPairsLost,
+                                       static_cast<long>(problem.pairs.size()), kGoodNormsLost,
                                        lengths_m));
   SortByEvidence(&fit->effects);
 }
@@ -191,7 +191,7 @@ double FixedTrajectorySource::PairSigma() const {
 /// (Anscombe).
 double FixedTrajectorySource::OutlierExcess(const PairFit& fit) const {
   if (Contains(fit.chosen, EffectId::kP2pOutliers)) return 0.0;
-  const double typical = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
+  const double typical = kGoodNormsLost * static_cast<double>(calibration_.problem.pairs.size());
   const double more =
       2.0 * (std::sqrt(static_cast<double>(fit.outliers) + 0.375) - std::sqrt(typical + 0.375));
   return std::max(0.0, more);
