@@ -19,6 +19,18 @@ Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,
   return (along * c + length * s) * axis + (c - along / length * s) * across;
 }
 
+double ScanLean(const ActiveEffects& effects, const LidarScenario& lidar,
+                const Eigen::Vector3d& u_s) {
+  if (effects.scan_lean_rad.empty()) return 0.0;
+  const Eigen::Vector3d axis_s = lidar.scan_axis_s.normalized();
+  const Eigen::Vector3d in_plane_s = u_s - axis_s.dot(u_s) * axis_s;
+  const double angle_rad = std::atan2(in_plane_s.dot(axis_s.cross(lidar.nadir_axis_s)),
+                                      in_plane_s.dot(lidar.nadir_axis_s));
+  double lean_rad = 0.0;
+  for (const auto& more_rad : effects.scan_lean_rad) lean_rad += more_rad(angle_rad);
+  return lean_rad;
+}
+
 LidarSpan LidarEpochSpan(const std::vector<StripInterval>& strips) {
   LidarSpan span{strips.front().t0_s, strips.front().t1_s};
   for (const StripInterval& strip : strips) {

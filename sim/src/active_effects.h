@@ -79,9 +79,9 @@ struct ActiveEffects {
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true minus assumed value
   /// Error added to the rotation vector of the boresight.
   std::vector<std::function<Eigen::Vector3d(double t_s, const LidarSpan& span)>> boresight_rad;
-  /// Additional angle that rotates the beams towards +scan_axis, relative to the assumed
-  /// one.
-  double scan_cone_rad = 0.0;
+  /// Rotation of the beam towards +scan_axis as a function of its scan angle, relative to the
+  /// assumed beam.
+  std::vector<std::function<double(double scan_angle_rad)>> scan_lean_rad;
   /// Measured laser vector for a true one in the sensor frame, at the true time t_s.
   std::vector<std::function<Eigen::Vector3d(const Eigen::Vector3d& u_s, double t_s)>> laser_vector;
   std::vector<std::function<double(double t_s, const LidarSpan& span)>> lidar_tag_shift_s;
@@ -96,6 +96,10 @@ struct ActiveEffects {
   /// Rotations that multiply the attitude of trajectory.out from the right.
   std::vector<Eigen::Quaterniond> trajectory_turn;
 };
+
+/// Returns the rotation towards +scan_axis of the beam that has the scan angle of u_s, rad.
+double ScanLean(const ActiveEffects& effects, const LidarScenario& lidar,
+                const Eigen::Vector3d& u_s);
 
 /// Creates the effects of a scenario. The random numbers depend on the seed, the name of the
 /// effect, and its index among the entries of that name. Without `noise` the stochastic effects are

@@ -28,13 +28,13 @@ Scanner::Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const
                  std::shared_ptr<const Terrain> terrain)
     : truth_(std::move(truth)),
       terrain_(std::move(terrain)),
+      lidar_(lidar),
       mounting_(lidar.mounting),
       effects_(effects),
       span_(span),
       constant_R_bs_(Rotation(lidar.mounting.boresight_rad) * lidar.mounting.R_bs_nominal),
       scan_axis_s_(lidar.scan_axis_s.normalized()),
       nadir_axis_s_(lidar.nadir_axis_s.normalized()),
-      sine_of_turn_(std::sin(effects.scan_cone_rad)),
       pattern_(lidar.pattern),
       half_fov_rad_(0.5 * lidar.fov_rad) {
   mounting_.lever_arm_b_m += effects.lidar_lever_arm_b_m;
@@ -50,11 +50,12 @@ Eigen::Matrix3d Scanner::R_bs(double t_s) const {
 /// Returns the distance of the point ahead of the beams of a line scanner, towards +scan_axis.
 double Scanner::Ahead(const Vector3d& u_s) const {
   const double ahead_m = u_s.dot(scan_axis_s_);
-  return sine_of_turn_ == 0.0 ? ahead_m : ahead_m - sine_of_turn_ * u_s.norm();
+  const double lean_rad = ScanLean(effects_, lidar_, u_s);
+  return lean_rad == 0.0 ? ahead_m : ahead_m - std::sin(lean_rad) * u_s.norm();
 }
 
 double Scanner::InsideCone(const Vector3d& u_s) const {
-  const Vector3d measured_s = TurnedTowardAxis(scan_axis_s_, -effects_.scan_cone_rad, u_s);
+  const Vector3d measured_s = TurnedTowardAxis(scan_axis_s_, -ScanLean(effects_, lidar_, u_s), u_s);
   return measured_s.dot(nadir_axis_s_) - std::cos(half_fov_rad_) * u_s.norm();
 }
 

@@ -23,8 +23,8 @@ struct Sighting {
 /// The true scanner on its true path. The beams of a line scanner lie in the plane through its
 /// origin that is perpendicular to scan_axis. They are within half the field of view of nadir_axis.
 /// The beams of a conical scanner lie at half the field of view around nadir_axis, so that each
-/// point is passed twice, ahead and behind. The effect lidar_scan_cone rotates all beams towards
-/// +scan_axis.
+/// point is passed twice, ahead and behind. The effects lidar_scan_cone and lidar_scan_torsion
+/// rotate the beams towards +scan_axis.
 class Scanner {
  public:
   /// span: span of the epochs of the pairs, for effects that depend on it.
@@ -64,13 +64,13 @@ class Scanner {
 
   std::shared_ptr<const TruthTrajectory> truth_;
   std::shared_ptr<const Terrain> terrain_;
+  LidarScenario lidar_;
   Mounting mounting_;  // true mounting; its boresight is the one before effects
   const ActiveEffects& effects_;
   LidarSpan span_;
   Eigen::Matrix3d constant_R_bs_;  // valid if no effect changes the boresight
   Eigen::Vector3d scan_axis_s_;
   Eigen::Vector3d nadir_axis_s_;
-  double sine_of_turn_;  // sine of the rotation of the beams towards +scan_axis
   ScanPattern pattern_;
   double half_fov_rad_;
 };

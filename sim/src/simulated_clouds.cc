@@ -113,9 +113,9 @@ class SimulatedClouds::Pulses {
   /// Returns the true direction of the centre of the beam, in the sensor frame.
   Vector3d Beam(std::size_t k) const {
     Vector3d nominal_s = scan_.Direction(Since(k));
-    if (world_.effects.scan_cone_rad == 0.0) return nominal_s;
-    return TurnedTowardAxis(world_.lidar.scan_axis_s.normalized(), world_.effects.scan_cone_rad,
-                            nominal_s);
+    const double lean_rad = ScanLean(world_.effects, world_.lidar, nominal_s);
+    if (lean_rad == 0.0) return nominal_s;
+    return TurnedTowardAxis(world_.lidar.scan_axis_s.normalized(), lean_rad, nominal_s);
   }
 
   /// Draws a direction within the footprint, from which the return comes.

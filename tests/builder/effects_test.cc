@@ -217,7 +217,8 @@ INSTANTIATE_TEST_SUITE_P(Effects, LidarDerivatives,
                          ::testing::Values("lidar_lever_arm", "lidar_time_offset",
                                            "lidar_time_drift", "lidar_range_offset",
                                            "lidar_range_scale", "lidar_angle_scale",
-                                           "lidar_scan_cone", "boresight_drift", "boresight_step"),
+                                           "lidar_scan_cone", "lidar_scan_torsion",
+                                           "boresight_drift", "boresight_step"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 // Applies the definition of each effect to a true laser vector; the correction must return it. The
@@ -239,6 +240,9 @@ TEST(Effects, TakeOutWhatTheScannerAdds) {
   const double cone_rad = 0.02;
   const Vector3d left_plane = std::cos(cone_rad) * u_s + std::sin(cone_rad) * 120.0 * axis;
   EXPECT_LE((corrected("lidar_scan_cone", cone_rad, u_s) - left_plane).norm(), 1e-12);
+  const double lean_rad = 0.02 * std::sin(4.0 * angle_rad);
+  const Vector3d twisted = std::cos(lean_rad) * u_s + std::sin(lean_rad) * 120.0 * axis;
+  EXPECT_LE((corrected("lidar_scan_torsion", 0.02, u_s) - twisted).norm(), 1e-12);
 }
 
 // The pairs last from 100 to 300 s, so that tag = t + value (t - 100 s) and the middle is 200 s.

@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(
         EffectCase{"lidar_range_offset", "0.2", {0.2}},
         EffectCase{"lidar_range_scale", "2000", {2000.0}},
         EffectCase{"lidar_angle_scale", "3000", {3000.0}},
-        EffectCase{"lidar_scan_cone", "0.3", {0.3}},
+        EffectCase{"lidar_scan_cone", "0.3", {0.3}}, EffectCase{"lidar_scan_torsion", "0.2", {0.2}},
         EffectCase{"gyro_scale_factor", "[1500, -800, 2000]", {1500.0, -800.0, 2000.0}},
         EffectCase{"gyro_misalignment", "[5, 4, -3]", {5.0, 4.0, -3.0}},
         EffectCase{"gyro_g_sensitivity", "[0.3, -0.3, 0.5]", {0.3, -0.3, 0.5}, {}, true},

@@ -77,7 +77,8 @@ INSTANTIATE_TEST_SUITE_P(
         Shown{"lidar_lever_arm", {0.1, 0.1, -0.2}}, Shown{"lidar_time_offset", {0.004}},
         Shown{"lidar_time_drift", {40}}, Shown{"lidar_range_offset", {0.1}},
         Shown{"lidar_range_scale", {800}}, Shown{"lidar_angle_scale", {800}},
-        Shown{"lidar_scan_cone", {0.2}}, Shown{"boresight_drift", {0.5, -0.5, 0.5}},
+        Shown{"lidar_scan_cone", {0.2}}, Shown{"lidar_scan_torsion", {0.05}},
+        Shown{"boresight_drift", {0.5, -0.5, 0.5}},
         Shown{"boresight_step", {0.03, 0.03, -0.05}, ", t0_s: 381180"}),
     [](const auto& shown) { return shown.param.effect; });
 

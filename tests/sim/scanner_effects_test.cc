@@ -122,6 +122,23 @@ TEST(ScannerEffects, BeamLeavesTheScanPlaneButNotInTheFile) {
   EXPECT_GT(LargestMisfit(flight, Assumed(flight)), 1.0);
 }
 
+TEST(ScannerEffects, ATwistedMirrorLeansTheBeamByItsScanAngle) {
+  const SimulatedFlight flight = Exact("{effect: lidar_scan_torsion, value: 0.5}");
+  const LidarScenario& lidar = flight.scenario.lidar;
+  for (const LidarPair& pair : flight.flight.pairs->pairs) {
+    ASSERT_LT(std::abs(pair.u_i_s.dot(lidar.scan_axis_s)), 1e-9);
+  }
+  const Vector3d across = lidar.scan_axis_s.cross(lidar.nadir_axis_s);
+  Belief belief = Assumed(flight);
+  belief.true_vector = [&](const Vector3d& u_s) {
+    const double angle = std::atan2(u_s.dot(across), u_s.dot(lidar.nadir_axis_s));
+    const double lean = 0.5 * kRadPerDegree * std::sin(4.0 * angle);
+    return Vector3d(std::cos(lean) * u_s + std::sin(lean) * u_s.norm() * lidar.scan_axis_s);
+  };
+  EXPECT_LT(LargestMisfit(flight, belief), kSamePoint_m);
+  EXPECT_GT(LargestMisfit(flight, Assumed(flight)), 0.5);
+}
+
 // The file assumes beams on the cone; the true beam is closer to the scan axis.
 TEST(ScannerEffects, ABeamOfAConeIsTurnedTowardTheScanAxis) {
   Scenario scenario = testing::SmallScenario("effects: [{effect: lidar_scan_cone, value: 0.5}]\n");

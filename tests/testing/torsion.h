@@ -8,8 +8,8 @@
 
 namespace dn::testing {
 
-/// Simulates a mirror whose beam leaves its scan plane by a sine of a multiple of the scan angle.
-/// The effect table has no such effect.
+/// Simulates a mirror whose beam leaves its scan plane by a sine of eight times the scan angle. The
+/// torsion of the effect table has a sine of four times the angle.
 inline SimulatedFlight FlyWithTorsion(const Scenario& scenario, double amplitude_deg) {
   const Eigen::Vector3d axis_s = scenario.lidar.scan_axis_s.normalized();
   const Eigen::Vector3d nadir_s = scenario.lidar.nadir_axis_s.normalized();

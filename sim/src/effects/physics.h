@@ -34,6 +34,7 @@ void LidarLeverArm(const EffectInput& input, ActiveEffects* active);
 void BoresightDrift(const EffectInput& input, ActiveEffects* active);
 void BoresightStep(const EffectInput& input, ActiveEffects* active);
 void LidarScanCone(const EffectInput& input, ActiveEffects* active);
+void LidarScanTorsion(const EffectInput& input, ActiveEffects* active);
 void LidarAngleScale(const EffectInput& input, ActiveEffects* active);
 void LidarRangeScale(const EffectInput& input, ActiveEffects* active);
 void LidarRangeOffset(const EffectInput& input, ActiveEffects* active);

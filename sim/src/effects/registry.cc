@@ -33,6 +33,7 @@ const std::vector<SimulatedEffect>& SimulatedEffects() {
       {EffectId::kBoresightDrift, &effects::BoresightDrift},
       {EffectId::kBoresightStep, &effects::BoresightStep},
       {EffectId::kLidarScanCone, &effects::LidarScanCone},
+      {EffectId::kLidarScanTorsion, &effects::LidarScanTorsion},
       {EffectId::kLidarAngleScale, &effects::LidarAngleScale},
       {EffectId::kLidarRangeScale, &effects::LidarRangeScale},
       {EffectId::kLidarRangeOffset, &effects::LidarRangeOffset},

@@ -23,11 +23,11 @@ double EitherSign(double size, Random& random) { return random.Uniform() < 0.5 ?
 double FirstLidarTag(const FlightTimes& times) { return times.strips.front().t0_s; }
 double LastLidarTag(const FlightTimes& times) { return times.strips.back().t1_s; }
 
-// The mirror deviates from its plane by a harmonic of the scan angle. The first two harmonics look
-// almost like a boresight yaw and a conical scan.
+// The mirror deviates from its plane by a harmonic of the scan angle. The first three look almost
+// like a boresight yaw or a conical scan, and the fourth is lidar_scan_torsion.
 Json DrawScanTorsion(const FlightTimes&, Random& random) {
   return {{"amplitude_deg", Sized(0.01, random)},
-          {"harmonic", 3 + DrawIndex(6, random)},
+          {"harmonic", 5 + DrawIndex(4, random)},
           {"phase_rad", random.Uniform(0.0, kTwoPi)}};
 }
 

@@ -25,6 +25,7 @@ EffectAction LidarRangeOffset(const EffectSite& site);
 EffectAction LidarRangeScale(const EffectSite& site);
 EffectAction LidarAngleScale(const EffectSite& site);
 EffectAction LidarScanCone(const EffectSite& site);
+EffectAction LidarScanTorsion(const EffectSite& site);
 EffectAction BoresightDrift(const EffectSite& site);
 EffectAction BoresightStep(const EffectSite& site);
 

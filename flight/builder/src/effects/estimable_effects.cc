@@ -58,6 +58,10 @@ const std::vector<EstimableEffect>& EstimableEffects() {
       {EffectId::kLidarAngleScale, "lidar angle scale",
        "correct the scan angles of the laser vectors in the pair files (lidar.p2p), or estimate it",
        LidarAngleScale},
+      {EffectId::kLidarScanTorsion, "lidar scan torsion",
+       "the beam leaves the scan plane with the scan angle: correct the laser vectors in the pair "
+       "files (lidar.p2p), or estimate it",
+       LidarScanTorsion},
       {EffectId::kLidarScanCone, "lidar scan cone",
        "the beam leaves the scan plane: correct the laser vectors in the pair files (lidar.p2p), "
        "or estimate it",

@@ -23,6 +23,41 @@ struct Scan {
         side(axis.cross(nadir)) {}
 };
 
+/// The scan angle of a laser vector and its derivative with respect to the vector.
+struct ScanAngle {
+  double angle_rad;
+  RowVector3d by_u;
+
+  ScanAngle(const Scan& scan, const Vector3d& u_s) {
+    const double along = scan.nadir.dot(u_s), across = scan.side.dot(u_s);
+    angle_rad = std::atan2(across, along);
+    by_u =
+        (along * scan.side - across * scan.nadir).transpose() / (along * along + across * across);
+  }
+};
+
+/// A laser vector u rotated toward the scan axis, and its derivatives. `toward_axis` u is the
+/// derivative of u with respect to the rotation.
+struct TurnedVector {
+  Vector3d u_s;
+  Matrix3d by_u;
+  Vector3d by_angle;
+
+  TurnedVector(const Vector3d& axis, double angle_rad, const Vector3d& u) {
+    const double height = axis.dot(u);
+    const Vector3d in_plane = u - height * axis;
+    const double length = in_plane.norm();
+    const Vector3d e = in_plane / length;
+    const Matrix3d across = Matrix3d::Identity() - axis * axis.transpose() - e * e.transpose();
+    const Matrix3d toward_axis =
+        axis * e.transpose() - e * axis.transpose() - height / length * across;
+    const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+    by_u = c * Matrix3d::Identity() + s * toward_axis;
+    by_angle = (c * toward_axis - s * Matrix3d::Identity()) * u;
+    u_s = by_u * u;
+  }
+};
+
 /// measured scan angle = (1 + value) true scan angle, about the scan axis, from nadir.
 class AngleScale final : public LidarEffect {
  public:
@@ -32,17 +67,14 @@ class AngleScale final : public LidarEffect {
 
   void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
-    const double along = scan_.nadir.dot(reading->u_s), across = scan_.side.dot(reading->u_s);
-    const double angle = std::atan2(across, along);
+    const ScanAngle at(scan_, reading->u_s);
     const double turn = -value[0] / (1.0 + value[0]);  // as a fraction of the measured angle
-    const Vector3d phi = turn * angle * scan_.axis;
-    const RowVector3d d_angle =
-        (along * scan_.side - across * scan_.nadir).transpose() / (along * along + across * across);
+    const Vector3d phi = turn * at.angle_rad * scan_.axis;
     const Matrix3d R = Exp(phi).toRotationMatrix();
     reading->u_s = R * reading->u_s;
     const Vector3d by_turn = scan_.axis.cross(reading->u_s);
-    reading->J_u = ((R + turn * by_turn * d_angle) * reading->J_u).eval();
-    reading->J_u.col(column) = -angle / std::pow(1.0 + value[0], 2) * by_turn;
+    reading->J_u = ((R + turn * by_turn * at.by_u) * reading->J_u).eval();
+    reading->J_u.col(column) = -at.angle_rad / std::pow(1.0 + value[0], 2) * by_turn;
   }
 
  private:
@@ -50,30 +82,45 @@ class AngleScale final : public LidarEffect {
 };
 
 /// The beam leaves the scan plane by the angle `value` toward the scan axis, but the file has it in
-/// the plane. The correction turns the laser vector toward the axis by this angle; `toward_axis` u
-/// is the derivative of u with respect to the turn.
+/// the plane. The correction turns the laser vector toward the axis by this angle.
 class ScanCone final : public LidarEffect {
  public:
-  explicit ScanCone(const LidarConfig& lidar) : scan_(lidar) {}
+  explicit ScanCone(const LidarConfig& lidar) : axis_(Scan(lidar).axis) {}
 
   int components() const override { return 1; }
 
   void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
-    const Vector3d& axis = scan_.axis;
-    const double height = axis.dot(reading->u_s);
-    const Vector3d in_plane = reading->u_s - height * axis;
-    const double length = in_plane.norm();
-    const Vector3d e = in_plane / length;
-    const Matrix3d across = Matrix3d::Identity() - axis * axis.transpose() - e * e.transpose();
-    const Matrix3d toward_axis =
-        axis * e.transpose() - e * axis.transpose() - height / length * across;
-    const double c = std::cos(value[0]), s = std::sin(value[0]);
-    const Matrix3d M = c * Matrix3d::Identity() + s * toward_axis;
-    const Vector3d by_value = (c * toward_axis - s * Matrix3d::Identity()) * reading->u_s;
-    reading->u_s = M * reading->u_s;
-    reading->J_u = (M * reading->J_u).eval();
-    reading->J_u.col(column) = by_value;
+    const TurnedVector turned(axis_, value[0], reading->u_s);
+    reading->u_s = turned.u_s;
+    reading->J_u = (turned.by_u * reading->J_u).eval();
+    reading->J_u.col(column) = turned.by_angle;
+  }
+
+ private:
+  Vector3d axis_;
+};
+
+/// The beam leaves the scan plane toward the scan axis by value sin(4 a) at the scan angle a. The
+/// file has the beam in the plane. A sine of a itself is a boresight yaw, and sines of 2 a and 3 a
+/// resemble it over the field of view of a scanner.
+class ScanTorsion final : public LidarEffect {
+ public:
+  explicit ScanTorsion(const LidarConfig& lidar) : scan_(lidar) {}
+
+  int components() const override { return 1; }
+
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
+               LidarReading* reading) const override {
+    constexpr double kMultiple = 4.0;
+    const ScanAngle at(scan_, reading->u_s);
+    const double sine = std::sin(kMultiple * at.angle_rad);
+    const double slope = kMultiple * std::cos(kMultiple * at.angle_rad);
+    const TurnedVector turned(scan_.axis, value[0] * sine, reading->u_s);
+    const Matrix3d by_u = turned.by_u + turned.by_angle * value[0] * slope * at.by_u;
+    reading->u_s = turned.u_s;
+    reading->J_u = (by_u * reading->J_u).eval();
+    reading->J_u.col(column) = sine * turned.by_angle;
   }
 
  private:
@@ -93,6 +140,10 @@ EffectAction LidarAngleScale(const EffectSite& site) {
 
 EffectAction LidarScanCone(const EffectSite& site) {
   return std::make_shared<ScanCone>(RequireLidar(site.flight));
+}
+
+EffectAction LidarScanTorsion(const EffectSite& site) {
+  return std::make_shared<ScanTorsion>(RequireLidar(site.flight));
 }
 
 }  // namespace dn::builder_internal

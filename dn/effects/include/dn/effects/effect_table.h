@@ -37,6 +37,7 @@ enum class EffectId {
   kLidarRangeScale,
   kLidarAngleScale,
   kLidarScanCone,
+  kLidarScanTorsion,
   kBoresightDrift,
   kBoresightStep,
   kP2pNoiseScale,
