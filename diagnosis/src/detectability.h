@@ -11,8 +11,8 @@
 
 namespace dn::diagnosis_internal {
 
-/// A signature is absorbed by the unknowns if they leave less than this share of its squared length:
-/// that is rounding error.
+/// A signature is absorbed by the unknowns if they leave less than this share of its squared
+/// length, which is rounding error.
 inline constexpr double kAbsorbedShare = 1e-7;
 
 /// Returns the minimal detectable bias (Baarda, see OutlierTest) in units of the signature. It is

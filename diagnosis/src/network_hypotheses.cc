@@ -23,7 +23,7 @@ constexpr std::size_t kMaxStepTimes = 6;
 // The samples are averaged over intervals of this length before they are used in derivatives.
 constexpr double kMeanInterval_s = 0.02;
 
-/// Returns times between strips, in order of time, at which the mount may have slipped; six at most.
+/// Returns times between strips, in their order, at which the mount may have slipped; six at most.
 std::vector<double> StepTimes(const std::vector<StripInterval>& strips) {
   std::vector<double> t_s;
   for (std::size_t k = 1; k < strips.size(); ++k) {

@@ -22,13 +22,13 @@ struct Tie {
 /// act during the whole flight.
 std::vector<Tie> FindTies(const GapDiagnosis& diagnosis);
 
-/// Returns the noncentrality of the named effect, at its estimate, against another effect of free size.
-/// The mean evidence for the named effect is half of it, nats. Returns infinity if the
-/// screen lacks one of them.
+/// Returns the noncentrality of the named effect, at its estimate, against another effect of free
+/// size. The mean evidence for the named effect is half of it, nats. Returns infinity if the screen
+/// lacks one of them.
 double Separation(const Screen& screen, const GapCause& named, const std::string& other);
 
-/// Returns what to fly: the additional strip that separates the most effects of a tie from the named
-/// effect. The choices are a strip across the others, one along the first in the opposite
+/// Returns what to fly: the additional strip that separates the most effects of a tie from the
+/// named effect. The choices are a strip across the others, one along the first in the opposite
 /// direction, one higher and one faster. The flight is planned again, with its strips and the
 /// additional one as straight lines, by geometry alone. Returns "" if the flight cannot be planned
 /// or no strip helps.

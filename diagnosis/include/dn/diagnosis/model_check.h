@@ -42,9 +42,9 @@ struct ModelCheck {
 ///                  sum of redundancy numbers) and the variance 2 tr(M_gg^2).
 ///   common errors  the same for sums of residuals over time windows and over strip pairs.
 ///   effects        forward selection by score tests of all effects that are not estimated: the
-///                  likeliest becomes an unknown, and the others are tested again. The evidence is the likelihood ratio,
-///                  averaged over sizes around the typical one. Each effect has the shift of the
-///                  boresight that its estimate predicts.
+///                  likeliest becomes an unknown, and the others are tested again. The evidence is
+///                  the likelihood ratio, averaged over sizes around the typical one. Each effect
+///                  has the shift of the boresight that its estimate predicts.
 ///   discrepancies  score tests of laser vectors that differ by scan angle or by strip, after the
 ///                  found effects are estimated: significant ones are unmodelled discrepancies.
 ///   undetectable   effects whose typical size is below the minimal detectable bias, but shifts a
