@@ -24,7 +24,7 @@
 namespace dn {
 namespace {
 
-constexpr Loss kUsualGnssLoss{Loss::Type::kHuber, 3.0};
+const Loss kUsualGnssLoss{Loss::Type::kHuber, 3.0};
 constexpr int kMaxScreenings = 20;
 constexpr std::size_t kJumpEnds = 12;
 constexpr std::size_t kPositionBlock = 1;  // index in the blocks of a GNSS position factor

@@ -10,7 +10,7 @@
 namespace dn {
 namespace {
 
-constexpr Loss kUsualPairLoss{Loss::Type::kCauchy, 3.0};
+const Loss kUsualPairLoss{Loss::Type::kCauchy, 3.0};
 constexpr int kRobustIterations = 6;
 
 void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
