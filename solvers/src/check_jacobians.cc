@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <optional>
-#include <set>
 #include <typeindex>
 
 namespace dn {
@@ -19,8 +19,14 @@ constexpr double kFirstSteps[] = {1e-2, 1e-4, 1e-6};
 /// A block whose Jacobian vanishes has only rounding errors. It is compared on the scale of the
 /// largest Jacobian of the factor times this value.
 constexpr double kVanishing = 1e-6;
+/// Step of the one-sided derivatives at a kink.
+constexpr double kKinkStep = 1e-6;
 /// Multiple of the estimated error of a numerical derivative that counts as uncertain.
 constexpr double kUncertain = 10.0;
+
+bool IsBetween(double value, double one, double other) {
+  return value >= std::min(one, other) && value <= std::max(one, other);
+}
 
 class FactorCheck {
  public:
@@ -52,11 +58,15 @@ class FactorCheck {
     for (Eigen::Index column = 0; column < J_[i].cols(); ++column) {
       std::vector<NumericalDerivative> numerical;
       for (const double step : kFirstSteps) numerical.push_back(Differentiate(i, column, step));
+      const Eigen::VectorXd forward = (ResidualAt(i, column, kKinkStep) - r_) / kKinkStep;
+      const Eigen::VectorXd backward = (r_ - ResidualAt(i, column, -kKinkStep)) / kKinkStep;
       for (Eigen::Index row = 0; row < J_[i].rows(); ++row) {
+        const double computed = J_[i](row, column);
+        if (IsBetween(computed, forward[row], backward[row])) continue;
         const NumericalDerivative* nearest = nullptr;
         double excess = std::numeric_limits<double>::infinity();
         for (const NumericalDerivative& derivative : numerical) {
-          const double beyond = Excess(J_[i](row, column), scale, derivative, row);
+          const double beyond = Excess(computed, scale, derivative, row);
           if (!(beyond < excess)) continue;
           excess = beyond;
           nearest = &derivative;
@@ -133,14 +143,23 @@ class FactorCheck {
   double largest_ = 0.0;
 };
 
-std::vector<FactorId> FactorsToCheck(const Network& network, bool one_per_class) {
-  std::vector<FactorId> ids;
-  std::set<std::type_index> classes;
+std::vector<FactorId> FactorsToCheck(const Network& network, int most_per_class) {
+  std::map<std::type_index, std::vector<FactorId>> classes;
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     if (!network.factor(id).active) continue;
     const FactorBase& factor = *network.factor(id).factor;
-    if (!one_per_class || classes.insert(typeid(factor)).second) ids.push_back(id);
+    classes[typeid(factor)].push_back(id);
   }
+  std::vector<FactorId> ids;
+  for (const auto& [type, all] : classes) {
+    const std::size_t wanted = most_per_class == 0
+                                   ? all.size()
+                                   : std::min(all.size(), static_cast<std::size_t>(most_per_class));
+    for (std::size_t k = 0; k < wanted; ++k) {
+      ids.push_back(all[wanted == 1 ? 0 : k * (all.size() - 1) / (wanted - 1)]);
+    }
+  }
+  std::sort(ids.begin(), ids.end());
   return ids;
 }
 
@@ -151,6 +170,10 @@ void JacobianCheckOptions::Validate() const {
     throw InvalidConfig("check of Jacobians: option tolerance is " + std::to_string(tolerance) +
                         ", must be in (0, 1)");
   }
+  if (most_per_class < 0) {
+    throw InvalidConfig("check of Jacobians: option most_per_class is " +
+                        std::to_string(most_per_class) + ", must be at least 0");
+  }
   if (threads < 1) {
     throw InvalidConfig("check of Jacobians: option threads is " + std::to_string(threads) +
                         ", must be at least 1");
@@ -160,7 +183,7 @@ void JacobianCheckOptions::Validate() const {
 std::vector<JacobianFault> CheckJacobians(const Network& network,
                                           const JacobianCheckOptions& options) {
   options.Validate();
-  const std::vector<FactorId> ids = FactorsToCheck(network, options.one_per_class);
+  const std::vector<FactorId> ids = FactorsToCheck(network, options.most_per_class);
   std::vector<std::vector<JacobianFault>> found(ids.size());
   ParallelFor(static_cast<int>(ids.size()), options.threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);

@@ -19,7 +19,8 @@ namespace {
 
 /// Rows that are compressed together by one QR decomposition.
 constexpr Eigen::Index kRowsAtOnce = 2048;
-/// Directions with less information than this, relative to the largest, carry none.
+/// Directions of the scaled neighbours that keep less than this part of their Jacobian carry no
+/// information: the elimination leaves only rounding errors of them.
 constexpr double kRankTolerance = 1e-10;
 
 /// Returns the triangular factor of A, columns x columns.
@@ -98,6 +99,7 @@ struct Reduced {
   Eigen::MatrixXd A;
   Eigen::VectorXd b;
   Eigen::MatrixXd X;
+  Eigen::VectorXd scale;  // norms of the Jacobian columns of s before the elimination
 };
 
 Reduced Reduce(const Part& part, int threads) {
@@ -120,11 +122,13 @@ Reduced Reduce(const Part& part, int threads) {
   }
   Eigen::MatrixXd with_residual(all.rows(), columns + 1);
   with_residual << all.Times(choose), all.residual();
+  const Eigen::VectorXd scale = with_residual.leftCols(columns).colwise().norm();
   const Eigen::MatrixXd X = inner.Solve(inner.linearized().TransposeTimes(with_residual));
   with_residual -= inner.linearized().Times(X);
   reduced.A = with_residual.leftCols(columns);
   reduced.b = with_residual.col(columns);
   reduced.X = X.leftCols(columns);
+  reduced.scale = scale;
   return reduced;
 }
 
@@ -141,17 +145,19 @@ Compressed Compress(const Reduced& reduced) {
   Eigen::MatrixXd both(reduced.A.rows(), n + 1);
   both << reduced.A, reduced.b;
   const Eigen::MatrixXd triangle = UpperTriangle(both);
+  Compressed compressed;
+  compressed.rest = std::abs(triangle(n, n));
+  if (n == 0) return compressed;
   const Eigen::MatrixXd R = triangle.topLeftCorner(n, n);
-  const Eigen::VectorXd size = R.colwise().norm().cwiseMax(1e-300);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(R * size.cwiseInverse().asDiagonal());
-  qr.setThreshold(kRankTolerance);
-  const Eigen::Index rank = qr.rank();
+  const Eigen::VectorXd scale = reduced.scale.cwiseMax(std::numeric_limits<double>::min());
+  const Eigen::MatrixXd scaled = R * scale.cwiseInverse().asDiagonal();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+  const Eigen::Index rank = (qr.matrixR().diagonal().cwiseAbs().array() > kRankTolerance).count();
   const Eigen::MatrixXd Q = qr.householderQ();
   const Eigen::VectorXd d = Q.transpose() * triangle.col(n).head(n);
-  Compressed compressed;
   compressed.R = (Q.transpose() * R).topRows(rank);
   compressed.d = d.head(rank);
-  compressed.rest = std::hypot(triangle(n, n), d.tail(n - rank).norm());
+  compressed.rest = std::hypot(compressed.rest, d.tail(n - rank).norm());
   return compressed;
 }
 

@@ -79,6 +79,9 @@ void Marginals::Impl::ExamineRank(const sparse::SymmetricCsc& scaled_N, bool def
 
 int Marginals::Impl::Position(BlockId b) const {
   const BlockInfo& info = block(b);
+  if (info.kind.stored_size == 0) {
+    throw InvalidInput("marginals: block " + std::to_string(b) + " was removed");
+  }
   const int position = layout().block_position[static_cast<std::size_t>(b)];
   if (position < 0 && !info.held) {
     throw RankDeficient("marginals: no active factor depends on block '" + info.name +

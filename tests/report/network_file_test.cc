@@ -19,12 +19,13 @@ NetworkState MakeState() {
                           Eigen::Vector4d(0.0, 0.1, 0.2, 1.0 / 3.0),
                           1e-9 * Eigen::Matrix3d::Ones()});
   state.blocks.push_back({"p", Parametrisation::kVector, Eigen::Vector3d(1e-300, -5e8, 0.1), {}});
-  state.priors.push_back({"eliminated",
-                          {"p"},
-                          Eigen::Vector3d(1.0, 2.0, 3.0),
-                          Eigen::MatrixXd::Random(2, 3),
-                          Eigen::Vector2d(0.1, 0.7),
-                          std::numeric_limits<double>::infinity()});
+  state.priors.push_back(
+      {"eliminated",
+       {"p"},
+       Eigen::Vector3d(1.0, 2.0, 3.0),
+       (Eigen::MatrixXd(2, 3) << 0.1, 1.0 / 3.0, -2e-9, 4.0, 5e9, 0.7).finished(),
+       Eigen::Vector2d(0.1, 0.7),
+       std::numeric_limits<double>::infinity()});
   return state;
 }
 

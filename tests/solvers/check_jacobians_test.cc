@@ -109,12 +109,17 @@ TEST(CheckJacobians, LeavesOutConstantBlocksAndInactiveFactors) {
   EXPECT_THAT(CheckJacobians(net), IsEmpty());
 }
 
-TEST(CheckJacobians, ChecksOneFactorPerClassOnRequest) {
+TEST(CheckJacobians, ChecksAFewFactorsPerClassOnRequest) {
   Network net;
   const auto p = net.AddVector<2>("line", {0.3, -0.2});
   for (int k = 1; k < 5; ++k) net.Add(Line(k, 1.0, 3.0), p);
   EXPECT_EQ(CheckJacobians(net).size(), 4U);
-  EXPECT_EQ(CheckJacobians(net, {.one_per_class = true}).size(), 1U);
+  EXPECT_EQ(CheckJacobians(net, {.most_per_class = 1}).size(), 1U);
+  const std::vector<JacobianFault> ends = CheckJacobians(net, {.most_per_class = 2});
+  ASSERT_EQ(ends.size(), 2U);
+  EXPECT_EQ(ends[0].factor, 0);
+  EXPECT_EQ(ends[1].factor, 3);
+  EXPECT_THROW(CheckJacobians(net, {.most_per_class = -1}), InvalidConfig);
   EXPECT_THROW(CheckJacobians(net, {.tolerance = 0.0}), InvalidConfig);
   EXPECT_THROW(CheckJacobians(net, {.threads = 0}), InvalidConfig);
 }

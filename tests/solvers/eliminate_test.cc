@@ -88,6 +88,7 @@ TEST(Eliminate, KeepsSolutionAndCovariancesOfALinearNetwork) {
     EXPECT_EQ(rest.group(out.prior).kind, FactorGroup::Kind::kPrior);
     EXPECT_EQ(rest.group(out.prior).name, "eliminated");
     EXPECT_THROW(rest.Value(chain.x[first]), InvalidInput);
+    EXPECT_THROW(Marginals(rest).Covariance(chain.x[first].id), InvalidInput);
     ExpectSameResult(chain.net, rest);
   }
 }
@@ -167,6 +168,9 @@ TEST(Eliminate, RefusesWhatTheNeighboursDoNotDetermine) {
   EXPECT_TRUE(net.factor(0).active);
   Eliminate(&net, {a.id});
   EXPECT_THROW(Eliminate(&net, {a.id}), InvalidInput);
+  // One residual determines the eliminated number and says nothing about the others.
+  EXPECT_EQ(net.num_factors(), 1);
+  EXPECT_FALSE(net.factor(0).active);
 }
 
 // A chain that keeps its last nodes gives the filter's result: the last node of the whole solution.

@@ -11,8 +11,8 @@ namespace dn {
 struct JacobianCheckOptions {
   /// Largest accepted difference, relative to the largest entry of the Jacobian of the block.
   double tolerance = 1e-5;
-  /// Checks only the first factor of each class.
-  bool one_per_class = false;
+  /// Checks at most this many factors of each class, evenly spread over them; 0 checks all.
+  int most_per_class = 0;
   int threads = 1;
 
   /// Throws InvalidConfig naming the option, its value and its bound.
@@ -35,7 +35,8 @@ struct JacobianFault {
 /// differ: empty if all are right. A wrong PlusJacobian of a block kind shows in its factors.
 ///
 /// Blocks that are constant and factors that are undefined at the present values are left out. An
-/// entry also counts as right if its numerical derivative is too uncertain to decide. Costs about
+/// entry also counts as right if its numerical derivative is too uncertain to decide, or if it is
+/// one of the derivatives at a kink. Costs about
 /// 50 evaluations per tangent coordinate of each factor. Throws InvalidInput naming the factor if a
 /// factor throws at the present values.
 std::vector<JacobianFault> CheckJacobians(const Network& network,

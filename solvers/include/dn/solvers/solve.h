@@ -43,8 +43,8 @@ struct SolveOptions {
   /// Repeats a solution from the initial values with shorter steps if it ends on a plateau. On a
   /// plateau, an unknown has lost its influence on the residuals. The check costs two evaluations.
   bool second_attempt = true;
-  /// Throws InvalidInput before the first step if CheckJacobians finds a fault in the first factor
-  /// of a class. By default, programs that are compiled without NDEBUG check.
+  /// Throws InvalidInput before the first step if CheckJacobians finds a fault in one of three
+  /// factors of each class. By default, programs that are compiled without NDEBUG check.
 #ifdef NDEBUG
   bool check_jacobians = false;
 #else
