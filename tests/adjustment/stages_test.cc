@@ -23,8 +23,8 @@ using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 using testing::kSigmas;
+using ::testing::ThrowsMessage;
 
 SimulatedFlight FlyDrone(std::uint64_t seed) {
   SimulateOptions options;
@@ -158,7 +158,7 @@ static_assert(!std::is_constructible_v<AdjustmentRun, Flight, const AdjustOption
 static_assert(!std::is_constructible_v<AdjustmentRun, const Flight&, AdjustOptions>);
 
 TEST(Stages, AFunctionOfTheUserIsCalledOrRefused) {
-  const SimulatedFlight sim = Fly(5);
+  const SimulatedFlight sim = FlyDrone(5);
   const auto own = [](FlightNetwork&) { FAIL() << "called"; };
   AdjustOptions without_pairs;
   without_pairs.with_pairs = false;
@@ -179,7 +179,7 @@ TEST(Stages, AFunctionOfTheUserIsCalledOrRefused) {
 
 // A factor that is undefined at the values of the stage is named, wherever it is added.
 TEST(Stages, AnUndefinedFactorOfTheUserIsNamed) {
-  const SimulatedFlight sim = Fly(5);
+  const SimulatedFlight sim = FlyDrone(5);
   const auto add = [](FlightNetwork& network) {
     using std::log;
     const FactorId id = network.net().Add([](const auto& p) { return log(-p.z() * p.z()); },

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "damaged_flight.h"
+#include "load_json.h"
 
 namespace dn::testing::apps_test {
 

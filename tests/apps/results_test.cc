@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 
+#include "load_json.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
 

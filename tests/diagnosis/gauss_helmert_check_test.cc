@@ -38,7 +38,7 @@ Flight OnTruth(const Scenario& scenario, std::uint64_t seed) {
 }
 
 /// Files with which the smoother states its own accuracy.
-enum class Stated { kNothing, kSigmas, kCovariance };
+enum class Stated { kNothing, kSigmaFile, kCovariance };
 
 /// A flight calibrated on the trajectory of its own inertial and GNSS data.
 struct Smoothed {
@@ -120,7 +120,8 @@ TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ManyRuns, OfASmoother,
-                         ::testing::Values(Stated::kNothing, Stated::kSigmas, Stated::kCovariance));
+                         ::testing::Values(Stated::kNothing, Stated::kSigmaFile,
+                                           Stated::kCovariance));
 
 TEST(GaussHelmertCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const CheckedCalibration gh(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
@@ -183,7 +184,7 @@ TEST_P(GaussHelmertFault, OnATrueTrajectoryIsContradictedAndNamed) {
 TEST_P(GaussHelmertFault, OnASmoothedTrajectoryIsContradictedAndNamed) {
   for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
     SCOPED_TRACE(scenario.name);
-    Smoothed smoothed(scenario, 3, Stated::kSigmas);
+    Smoothed smoothed(scenario, 3, Stated::kSigmaFile);
     GetParam().apply(&smoothed.flight);
     ExpectContradictedAndNamed(smoothed.flight, GetParam().effect);
   }

@@ -166,8 +166,7 @@ TEST(ReplicateScenario, OfAFlightWithoutPairsHasNone) {
 
 TEST(ReplicateScenario, HasTheVibrationThatTheFlightStates) {
   SimulatedFlight flown = Simulate(DroneScenario(), {});
-  constexpr double kDeg = std::numbers::pi / 180.0;
-  flown.flight.config.imu->model.vibration = {{381050.0, 381060.0, 0.2 * kDeg, 0.3}};
+  flown.flight.config.imu->model.vibration = {{381050.0, 381060.0, 0.2 * kRadPerDeg, 0.3}};
   GapCause found;
   found.effect = "imu_vibration";
   found.times.window_s = {381070.0, 381080.0};

@@ -49,18 +49,6 @@ class AllOfLidar final : public LidarEffect {
   }
 };
 
-class GyroScale final : public ImuEffect {
- public:
-  int components() const override { return 3; }
-  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
-               ImuReading* reading) const override {
-    const Vector3d inverse = (1.0 + value.array()).inverse();
-    reading->w_b = inverse.cwiseProduct(reading->w_b);
-    reading->J_w = inverse.asDiagonal() * reading->J_w;
-    reading->J_w.middleCols<3>(column).diagonal() = -inverse.cwiseProduct(reading->w_b);
-  }
-};
-
 /// Delays the tag, shifts the position along map x and moves the lever arm along body y.
 class LateAndShifted final : public GnssEffect {
  public:
@@ -85,9 +73,10 @@ class PairOfEffects : public ::testing::Test {
   LidarEnd End(double node_s, double t_s, const Vector3d& u_s) const {
     LidarEnd end;
     end.tag_s = t_s + 0.002;
-    end.partial = Preintegrate(
-        imu_, node_s, t_s,
-        {Vector3d::Zero(), Vector3d::Zero(), {{scale_, Vector3d(1e-3, 0.0, -2e-3)}}}, kNoise);
+    end.partial =
+        Preintegrate(imu_, node_s, t_s,
+                     {Vector3d::Zero(), Vector3d::Zero(), {{scale_, Vector3d(1e-3, 0.0, -2e-3)}}},
+                     kEffectsNoise);
     end.u_s = u_s;
     end.p_nominal_m = motion_.Pose(node_s).p_mb;
     return end;
@@ -212,7 +201,7 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
 
 TEST_F(PairOfEffects, RejectsEndsWithOtherEffects) {
   LidarEnd plain = End(4.0, 4.2, {900.0, 0.0, 0.0});
-  plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kNoise);
+  plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kEffectsNoise);
   EXPECT_THROW(PointToPointBetweenNodes(motion_.frame,
                                         Pair(End(1.0, 1.3, {900.0, 0.0, 0.0}), plain), {}, {}),
                InvalidInput);

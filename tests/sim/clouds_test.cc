@@ -28,7 +28,7 @@ Scenario CloudScenario(const std::string& extra = "") {
   return scenario;
 }
 
-SimulatedFlight Fly(const Scenario& scenario, bool noise = false) {
+SimulatedFlight FlyClouds(const Scenario& scenario, bool noise = false) {
   return Simulate(scenario, {.seed = 5, .noise = noise});
 }
 
@@ -79,7 +79,7 @@ TEST(Clouds, ExactPointsLieOnTheSurface) {
     Scenario scenario =
         CloudScenario("effects: [{effect: lidar_lever_arm, value: [0.3, -0.2, 0.1]}]\n");
     scenario.lidar.pattern = pattern;
-    const SimulatedFlight flight = Fly(scenario);
+    const SimulatedFlight flight = FlyClouds(scenario);
     const StripCloud points = AllPoints(flight, 2);
     EXPECT_GT(points.size(), 30000u);
     EXPECT_EQ(CountOnSurface(flight, points, [&](double) { return TrueMounting(flight); }),
@@ -88,7 +88,7 @@ TEST(Clouds, ExactPointsLieOnTheSurface) {
 }
 
 TEST(Clouds, PointsAreMadeWithTheAssumedMounting) {
-  const SimulatedFlight flight = Fly(CloudScenario());
+  const SimulatedFlight flight = FlyClouds(CloudScenario());
   const StripCloud points = AllPoints(flight, 0);
   const Mounting assumed = flight.flight.config.lidar->mounting;
   EXPECT_EQ(assumed.boresight_rad, Vector3d::Zero());
@@ -141,14 +141,14 @@ double SpacingAcross(const StripCloud& points) {
 
 TEST(Clouds, LinePulsesAreOneGsdApartAlongAndAcross) {
   constexpr double kGsd_m = 0.5;
-  const StripCloud points = AllPoints(Fly(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
+  const StripCloud points = AllPoints(FlyClouds(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 1.0, 0.05);
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.05 * kGsd_m);
 }
 
 TEST(Clouds, AConeSeesTheGroundTwice) {
   constexpr double kGsd_m = 0.5;
-  const StripCloud points = AllPoints(Fly(FlatScenario(ScanPattern::kCone, kGsd_m)), 0);
+  const StripCloud points = AllPoints(FlyClouds(FlatScenario(ScanPattern::kCone, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 2.0, 0.1);
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.1 * kGsd_m);
 }
@@ -157,7 +157,7 @@ TEST(Clouds, NoiseMatchesTheScenario) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
   scenario.lidar.sigma_range_m = 0.05;
   scenario.lidar.beam_divergence_rad = 4e-3;
-  const SimulatedFlight flight = Fly(scenario, true);
+  const SimulatedFlight flight = FlyClouds(scenario, true);
   const StripCloud points = AllPoints(flight, 0);
   double squares = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -172,11 +172,11 @@ TEST(Clouds, NoiseMatchesTheScenario) {
 
 TEST(Clouds, NoiseOfAStripDependsOnlyOnItsName) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
-  const StripCloud before = AllPoints(Fly(scenario, true), 0);
+  const StripCloud before = AllPoints(FlyClouds(scenario, true), 0);
   scenario.pairs.count = 0;
   scenario.gnss.rate_hz = 5.0;
   scenario.plan.lines.push_back({{150.0, 50.0}, {-150.0, 50.0}, 200.0, 40.0});
-  const StripCloud after = AllPoints(Fly(scenario, true), 0);
+  const StripCloud after = AllPoints(FlyClouds(scenario, true), 0);
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < before.size(); i += 50) {
     EXPECT_LT((after.u_s[i] - before.u_s[i]).norm(), kOnSurface_m);
@@ -184,7 +184,7 @@ TEST(Clouds, NoiseOfAStripDependsOnlyOnItsName) {
 }
 
 TEST(Clouds, AreSortedByTimeAndIndependentOfThreads) {
-  const SimulatedFlight flight = Fly(CloudScenario(), true);
+  const SimulatedFlight flight = FlyClouds(CloudScenario(), true);
   const testing::TempFolder folder;
   const auto written = [&](const std::string& name, int threads) {
     const CloudCounts counts = flight.clouds->Write(1, folder.path() / name, threads, nullptr);
@@ -211,11 +211,11 @@ TEST(Clouds, AreSortedByTimeAndIndependentOfThreads) {
 
 TEST(Clouds, VectorsContainTheLidarEffects) {
   const Scenario scenario = CloudScenario();
-  const StripCloud plain = AllPoints(Fly(scenario), 0);
-  const StripCloud longer =
-      AllPoints(Fly(CloudScenario("effects: [{effect: lidar_range_offset, value: 0.25}]\n")), 0);
+  const StripCloud plain = AllPoints(FlyClouds(scenario), 0);
+  const StripCloud longer = AllPoints(
+      FlyClouds(CloudScenario("effects: [{effect: lidar_range_offset, value: 0.25}]\n")), 0);
   const SimulatedFlight late_flight =
-      Fly(CloudScenario("effects: [{effect: lidar_time_offset, value: 0.01}]\n"));
+      FlyClouds(CloudScenario("effects: [{effect: lidar_time_offset, value: 0.01}]\n"));
   const StripCloud late = AllPoints(late_flight, 0);
   ASSERT_EQ(longer.size(), plain.size());
   ASSERT_EQ(late.size(), plain.size());
@@ -238,7 +238,7 @@ TEST(Clouds, ABoresightStepTurnsTheBeams) {
   scenario.effects = CloudScenario("effects: [{effect: boresight_step, value: [0.5, 0, 0], t0_s: " +
                                    std::to_string(step_at_s) + "}]\n")
                          .effects;
-  const SimulatedFlight flight = Fly(scenario);
+  const SimulatedFlight flight = FlyClouds(scenario);
   const StripCloud points = AllPoints(flight, 0);
   const Mounting before = TrueMounting(flight);
   Mounting after = before;
@@ -254,7 +254,7 @@ TEST(Clouds, WaterIsAGap) {
   Scenario scenario = CloudScenario();
   scenario.terrain.buildings_per_km2 = 0.0;
   scenario.terrain.water_share = 0.3;
-  const SimulatedFlight flight = Fly(scenario);
+  const SimulatedFlight flight = FlyClouds(scenario);
   const Terrain terrain(scenario.terrain);
   const CloudCounts counts = flight.clouds->Run(
       0, 1,
@@ -274,7 +274,7 @@ TEST(Clouds, WaterIsAGap) {
 TEST(Clouds, ExistOnlyIfTheScenarioAsks) {
   Scenario scenario = testing::SmallScenario();
   scenario.pairs.count = 0;
-  EXPECT_EQ(Fly(scenario).clouds, nullptr);
+  EXPECT_EQ(FlyClouds(scenario).clouds, nullptr);
 }
 
 }  // namespace dn::sim_test

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 using testing::SmallScenario;
 using testing::TempFolder;
 
-SimulatedFlight Fly(const Scenario& scenario) { return Simulate(scenario, {}); }
+SimulatedFlight FlyPlain(const Scenario& scenario) { return Simulate(scenario, {}); }
 
 /// Expects identical measurements in both flights.
 void ExpectSameFlight(const Flight& a, const Flight& b) {
@@ -86,7 +86,7 @@ TEST(FormatScenario, EveryKeyIsReadBackToTheSameFlight) {
   EXPECT_EQ(again.terrain.roughness_m, scenario.terrain.roughness_m);
   EXPECT_EQ(again.terrain.water_share, scenario.terrain.water_share);
   EXPECT_TRUE(again.strips);
-  ExpectSameFlight(Fly(scenario).flight, Fly(again).flight);
+  ExpectSameFlight(FlyPlain(scenario).flight, FlyPlain(again).flight);
 }
 
 TEST(FormatScenario, KeepsEveryShippedScenario) {
@@ -111,13 +111,13 @@ Scenario Replay(const SimulatedFlight& flown, const TempFolder& folder) {
 
 TEST(Replay, MeasuresOnTheNamedStrips) {
   const TempFolder folder;
-  const SimulatedFlight flown = Fly(SmallScenario());
+  const SimulatedFlight flown = FlyPlain(SmallScenario());
   Scenario scenario = Replay(flown, folder);
   scenario.plan.strips = flown.strips;
   scenario.plan.strips[1].name = "back";
   const Scenario again =
       ParseScenario(FormatScenario(scenario), (folder.path() / "replay.yaml").string());
-  const SimulatedFlight replayed = Fly(again);
+  const SimulatedFlight replayed = FlyPlain(again);
   ASSERT_EQ(replayed.strips.size(), 3u);
   EXPECT_EQ(replayed.strips[1].name, "back");
   EXPECT_EQ(replayed.strips[1].t0_s, flown.strips[1].t0_s);
@@ -130,10 +130,10 @@ TEST(Replay, MeasuresOnTheNamedStrips) {
 
 TEST(Replay, RefusesAStripThatIsNotFlown) {
   const TempFolder folder;
-  Scenario scenario = Replay(Fly(SmallScenario()), folder);
+  Scenario scenario = Replay(FlyPlain(SmallScenario()), folder);
   scenario.plan.strips = {{"late", 500000.0, 500010.0}};
   try {
-    Fly(scenario);
+    FlyPlain(scenario);
     FAIL() << "no InvalidConfig";
   } catch (const InvalidConfig& error) {
     EXPECT_THAT(error.what(), HasSubstr("'late' lies outside"));

@@ -10,7 +10,7 @@ namespace dn::sim_test {
 
 using testing::SmallScenario;
 
-SimulatedFlight Fly(const std::vector<GnssProcess>& processes, bool noise) {
+SimulatedFlight FlyWithProcess(const std::vector<GnssProcess>& processes, bool noise) {
   Scenario scenario = SmallScenario();
   scenario.pairs.count = 0;
   scenario.gnss.processes = processes;
@@ -33,7 +33,7 @@ std::vector<Eigen::Vector3d> Differences(const SimulatedFlight& a, const Simulat
 // error.
 TEST(GnssProcesses, AreSimulatedAndStated) {
   const std::vector<GnssProcess> processes{{{0.3, 0.0, 0.0}, 2.0}, {{0.4, 0.2, 0.0}, 2.0}};
-  const SimulatedFlight with = Fly(processes, true), without = Fly({}, true);
+  const SimulatedFlight with = FlyWithProcess(processes, true), without = FlyWithProcess({}, true);
   EXPECT_EQ(with.flight.config.gnss->processes, processes);
   EXPECT_TRUE(without.flight.config.gnss->processes.empty());
   const std::vector<Eigen::Vector3d> x = Differences(with, without);
@@ -52,7 +52,8 @@ TEST(GnssProcesses, AreSimulatedAndStated) {
 
 TEST(GnssProcesses, AreLeftOutOfAFlightWithoutNoise) {
   const std::vector<GnssProcess> processes{{{0.3, 0.2, 0.1}, 2.0}};
-  for (const Eigen::Vector3d& x : Differences(Fly(processes, false), Fly({}, false))) {
+  for (const Eigen::Vector3d& x :
+       Differences(FlyWithProcess(processes, false), FlyWithProcess({}, false))) {
     ASSERT_EQ(x, Eigen::Vector3d::Zero());
   }
 }

@@ -16,7 +16,8 @@ namespace dn::sim_test {
 using testing::kSigmas;
 
 /// Simulates a survey aircraft (navigation grade) or a drone (small sensor), at 100 Hz.
-SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool noise = true) {
+SimulatedFlight FlyWithNoise(const std::string& preset, const std::string& effects,
+                             bool noise = true) {
   Scenario scenario = testing::SmallScenario("effects: [" + effects + "]\n");
   scenario.imu.rate_hz = 100.0;
   scenario.imu.model = ImuPreset(preset);
@@ -33,7 +34,7 @@ HighBand MeasureBand(const SimulatedFlight& flight) {
 class InertialNoise : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(InertialNoise, MotionDoesNotShow) {
-  const HighBand band = MeasureBand(Fly(GetParam(), "", false));
+  const HighBand band = MeasureBand(FlyWithNoise(GetParam(), "", false));
   for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
     BandEnergy sum;
     for (const HighBandWindow& window : band.windows) sum += window.Total(triad);
@@ -42,7 +43,7 @@ TEST_P(InertialNoise, MotionDoesNotShow) {
 }
 
 TEST_P(InertialNoise, IsAsAssumed) {
-  const NoiseCheck check = CheckNoise(MeasureBand(Fly(GetParam(), "")));
+  const NoiseCheck check = CheckNoise(MeasureBand(FlyWithNoise(GetParam(), "")));
   for (const auto& level : check.level) {
     ASSERT_TRUE(level);
     EXPECT_NEAR(level->ratio, 1.0, kSigmas * level->sigma);
@@ -52,17 +53,17 @@ TEST_P(InertialNoise, IsAsAssumed) {
 }
 
 TEST_P(InertialNoise, MeasuresAnotherLevel) {
-  const NoiseCheck check = CheckNoise(MeasureBand(
-      Fly(GetParam(),
-          "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
+  const NoiseCheck check = CheckNoise(MeasureBand(FlyWithNoise(
+      GetParam(),
+      "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
   EXPECT_NEAR(check.level[kGyroTriad]->ratio, 1.1, kSigmas * check.level[kGyroTriad]->sigma);
   EXPECT_NEAR(check.level[kAccelTriad]->ratio, 1.5, kSigmas * check.level[kAccelTriad]->sigma);
   EXPECT_EQ(BestHypothesis(check.evidence), NoiseHypothesis::kScale);
 }
 
 TEST_P(InertialNoise, FindsAWindow) {
-  const NoiseCheck check = CheckNoise(MeasureBand(
-      Fly(GetParam(), "{effect: imu_vibration, value: [0.1, 0.3], window_s: [381150, 381180]}")));
+  const NoiseCheck check = CheckNoise(MeasureBand(FlyWithNoise(
+      GetParam(), "{effect: imu_vibration, value: [0.1, 0.3], window_s: [381150, 381180]}")));
   ASSERT_TRUE(check.window);
   const NoiseWindow& window = *check.window;
   EXPECT_NEAR(window.t0_s, 381150.0, 0.3);

@@ -11,7 +11,7 @@ namespace dn::sim_test {
 
 using Eigen::Vector3d;
 
-SimulatedFlight Fly(const OwnErrors& own, bool noise = false) {
+SimulatedFlight FlyWithErrors(const OwnErrors& own, bool noise = false) {
   SimulateOptions options;
   options.noise = noise;
   options.own = own;
@@ -59,7 +59,7 @@ Difference Between(const SimulatedFlight& a, const SimulatedFlight& b) {
 TEST(OwnErrors, GyroErrorsChangeOnlyTheRates) {
   OwnErrors own;
   own.gyro_radps = [](double t_s) { return Vector3d(0.0, 1e-3 * std::sin(t_s), 0.0); };
-  const SimulatedFlight plain = Fly({}), spoilt = Fly(own);
+  const SimulatedFlight plain = FlyWithErrors({}), spoilt = FlyWithErrors(own);
   const Difference d = Between(plain, spoilt);
   EXPECT_EQ(d.gnss, 0.0);
   EXPECT_EQ(d.pairs, 0.0);
@@ -74,7 +74,7 @@ TEST(OwnErrors, GyroErrorsChangeOnlyTheRates) {
 TEST(OwnErrors, AntennaErrorsChangeOnlyThePositions) {
   OwnErrors own;
   own.antenna_enu_m = [](double) { return Vector3d(0.0, 0.0, 0.25); };
-  const Difference d = Between(Fly({}), Fly(own));
+  const Difference d = Between(FlyWithErrors({}), FlyWithErrors(own));
   EXPECT_EQ(d.imu, 0.0);
   EXPECT_NEAR(d.gnss, 0.25, 1e-8);
   EXPECT_EQ(d.pairs, 0.0);
@@ -94,19 +94,19 @@ TEST(OwnErrors, BoresightErrorEqualsTheEffect) {
       Simulate(testing::SmallScenario(
                    "effects: [{effect: boresight_step, value: [0.1, -0.2, 0.3], t0_s: 381200}]\n"),
                options);
-  const SimulatedFlight spoilt = Fly(own);
+  const SimulatedFlight spoilt = FlyWithErrors(own);
   EXPECT_LT(Between(effect, spoilt).pairs, 1e-12);
-  EXPECT_GT(Between(Fly({}), spoilt).pairs, 0.1);
+  EXPECT_GT(Between(FlyWithErrors({}), spoilt).pairs, 0.1);
 }
 
 TEST(OwnErrors, ScannerErrorsGetTheTrueTime) {
-  const SimulatedFlight plain = Fly({});
+  const SimulatedFlight plain = FlyWithErrors({});
   OwnErrors own;
   own.laser_vector = [](const Vector3d& u_s, double t_s) {
     return Vector3d((1.0 + 1e-6 * (t_s - 381000.0)) * u_s);
   };
   own.lidar_tag_shift_s = [](double) { return 0.5; };
-  const SimulatedFlight spoilt = Fly(own);
+  const SimulatedFlight spoilt = FlyWithErrors(own);
   for (std::size_t k = 0; k < plain.flight.pairs->pairs.size(); ++k) {
     const LidarPair& before = plain.flight.pairs->pairs[k];
     const LidarPair& after = spoilt.flight.pairs->pairs[k];
@@ -123,7 +123,7 @@ TEST(OwnErrors, PairErrorsGetAllPairs) {
       if (pair.file == 0) pair.u_j_s.z() += 1.0;
     }
   };
-  const SimulatedFlight plain = Fly({}), spoilt = Fly(own);
+  const SimulatedFlight plain = FlyWithErrors({}), spoilt = FlyWithErrors(own);
   ASSERT_GT(plain.flight.pairs->files.size(), 1U);
   for (std::size_t k = 0; k < plain.flight.pairs->pairs.size(); ++k) {
     const LidarPair& before = plain.flight.pairs->pairs[k];
@@ -135,7 +135,7 @@ TEST(OwnErrors, PairErrorsGetAllPairs) {
 TEST(OwnErrors, LeaveTheNoiseAsItIs) {
   OwnErrors own;
   own.antenna_enu_m = [](double) { return Vector3d(0.0, 0.0, 0.25); };
-  const Difference d = Between(Fly({}, true), Fly(own, true));
+  const Difference d = Between(FlyWithErrors({}, true), FlyWithErrors(own, true));
   EXPECT_EQ(d.imu, 0.0);
   EXPECT_NEAR(d.gnss, 0.25, 1e-8);
   EXPECT_EQ(d.pairs, 0.0);
@@ -143,7 +143,7 @@ TEST(OwnErrors, LeaveTheNoiseAsItIs) {
 
 TEST(PlannedTimes, AgreeWithTheFlight) {
   const FlightTimes times = PlannedTimes(testing::SmallScenario(), 1);
-  const SimulatedFlight flown = Fly({});
+  const SimulatedFlight flown = FlyWithErrors({});
   EXPECT_EQ(times.begin_s, flown.truth->t_begin_s());
   EXPECT_EQ(times.end_s, flown.truth->t_end_s());
   ASSERT_EQ(times.strips.size(), flown.strips.size());
@@ -157,7 +157,7 @@ TEST(PlannedTimes, AgreeWithTheFlight) {
 TEST(WriteMeasurements, LeavesTheTruthOut) {
   const testing::TempFolder folder;
   OutputDirectory directory(folder.path() / "flight");
-  WriteMeasurements(Fly({}), directory);
+  WriteMeasurements(FlyWithErrors({}), directory);
   directory.Commit();
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "flight" / "flight.yaml"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "flight" / "lidar" / "1_2.txt"));

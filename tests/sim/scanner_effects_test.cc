@@ -132,7 +132,7 @@ TEST(ScannerEffects, ATwistedMirrorLeansTheBeamByItsScanAngle) {
   Belief belief = Assumed(flight);
   belief.true_vector = [&](const Vector3d& u_s) {
     const double angle = std::atan2(u_s.dot(across), u_s.dot(lidar.nadir_axis_s));
-    const double lean = 0.5 * kRadPerDegree * std::sin(4.0 * angle);
+    const double lean = 0.5 * kRadPerDeg * std::sin(4.0 * angle);
     return Vector3d(std::cos(lean) * u_s + std::sin(lean) * u_s.norm() * lidar.scan_axis_s);
   };
   EXPECT_LT(LargestMisfit(flight, belief), kSamePoint_m);
