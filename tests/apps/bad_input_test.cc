@@ -210,7 +210,7 @@ std::string WithColumns(const std::string& table, std::size_t first, std::size_t
 }
 
 /// Returns the table without the lost lines. Line numbers start at 1.
-std::string WithoutLines(const std::string& table, const std::function<bool(int)>& lost) {
+std::string WithoutRows(const std::string& table, const std::function<bool(int)>& lost) {
   std::istringstream in(table);
   std::string out;
   int line = 0;
@@ -235,7 +235,7 @@ int FindPairLine(const DamagedFlight& flight) {
 TEST(CliBadInput, ALostImuRowAtAPairIsBridged) {
   const DamagedFlight flight;
   const int lost = FindPairLine(flight);
-  flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"), [&](int k) { return k == lost; }));
+  flight.Write("IMU.txt", WithoutRows(flight.Read("IMU.txt"), [&](int k) { return k == lost; }));
   const ProgramRun run = flight.Run("calibrate");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const Json counts = Json::parse(FileContent(flight.out() / "report.json"))["counts"];
@@ -246,8 +246,8 @@ TEST(CliBadInput, ALostImuRowAtAPairIsBridged) {
 TEST(CliBadInput, PairsInAHoleOfTheImuDataAreLeftOutAndCounted) {
   const DamagedFlight flight;
   const int lost = FindPairLine(flight);
-  flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"),
-                                       [&](int k) { return k > lost - 10 && k < lost + 10; }));
+  flight.Write("IMU.txt", WithoutRows(flight.Read("IMU.txt"),
+                                      [&](int k) { return k > lost - 10 && k < lost + 10; }));
   const ProgramRun run = flight.Run("calibrate");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const Json counts = Json::parse(FileContent(flight.out() / "report.json"))["counts"];
