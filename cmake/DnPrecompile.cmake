@@ -4,7 +4,7 @@
 # includes the headers it uses.
 option(DN_PRECOMPILE "Precompile the heavy headers of the dependencies" ON)
 
-set(DN_EIGEN_ALIGNMENT EIGEN_MAX_ALIGN_BYTES=16)
+set(DN_EIGEN_ALIGNMENT EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
 set(DN_HEAVY_HEADERS
   <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>
   <Eigen/SVD>

@@ -27,6 +27,10 @@ namespace diagnosis_internal {
 namespace {
 
 constexpr int kWatchedNodes = 8;
+// A residual beyond this many sigmas is an outlier, whatever the distribution of the noise.
+constexpr double kIsolatedSigmas = 10.0;
+// An error of a row with a smaller redundancy number shows more in other rows than in its own.
+constexpr double kControlledRedundancy = 0.1;
 // Cost, in nats, of averaging the evidence over the size of an error instead of taking the
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
@@ -110,6 +114,18 @@ class Checker {
     gain_ = linearized_.Times(marginals_.Solve(unit));
   }
 
+  /// Returns true if one measurement explains the misfit of its group. An error of a row shows in the
+  /// row itself only if its redundancy number is large enough; otherwise it shows in other rows.
+  bool IsIsolatedRow(const GroupCheck& group, const RowFit& worst) const {
+    if (group.p_value > kFamilyLevel || std::abs(worst.standardised) < kIsolatedSigmas)
+      return false;
+    if (linearized_.group(worst.row.factor).kind != FactorGroup::Kind::kMeasurement) return false;
+    if (worst.redundancy < kControlledRedundancy) return false;
+    const double all = group.variance_ratio * group.redundancy;
+    const double rest = all - worst.redundancy * std::pow(worst.standardised, 2);
+    return rest <= kLargestVarianceRatio * group.redundancy;
+  }
+
   void CheckGroups(const Eigen::VectorXd& with_effects) {
     for (std::size_t g = 0; g < num_channels_; ++g) {
       const ChannelFit fit =
@@ -123,6 +139,7 @@ class Checker {
       group.p_value = family_.FamilyWise(fit.p_value);
       group.worst_t_s = fit.worst.row.t_s;
       group.worst_standardised = fit.worst.standardised;
+      group.isolated = IsIsolatedRow(group, fit.worst);
       check_.groups.push_back(std::move(group));
     }
   }

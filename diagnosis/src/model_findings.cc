@@ -18,26 +18,12 @@ namespace {
 
 // The covariance of the boresight does not cover an error above this many of its sigmas.
 constexpr double kMaxShiftInSigmas = 1.0;
-// Noise may be misstated by a factor of 1.4; a larger factor has another cause.
-constexpr double kLargestVarianceRatio = 2.0;
-// A residual beyond this many sigmas is an outlier, whatever the distribution of the noise.
-constexpr double kIsolatedSigmas = 10.0;
 constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
 constexpr double kLargestBoresightDeg = 15.0;
 constexpr double kUpsideDownShare = 0.9;
 constexpr double kConclusive = std::numeric_limits<double>::infinity();
-
-/// Returns true if one residual makes up the misfit of a group.
-bool IsIsolatedRow(const GroupCheck& group) {
-  if (group.p_value > kFamilyLevel || std::abs(group.worst_standardised) < kIsolatedSigmas) {
-    return false;
-  }
-  const double all = group.variance_ratio * group.redundancy;
-  const double worst = std::min(1.0, group.redundancy) * std::pow(group.worst_standardised, 2);
-  return all - worst <= kLargestVarianceRatio * group.redundancy;
-}
 
 class Findings {
  public:
@@ -85,13 +71,13 @@ class Findings {
   /// One wrong measurement bends the residuals of all others, so it comes before what these show.
   void JudgeIsolatedRows() {
     for (const GroupCheck& group : check_.groups) {
-      if (IsIsolatedRow(group)) Add(facts::VarianceTooLarge{group}, true, kConclusive);
+      if (group.isolated) Add(facts::VarianceTooLarge{group}, true, kConclusive);
     }
   }
 
   void JudgeGroups() {
     for (const GroupCheck& group : check_.groups) {
-      if (IsIsolatedRow(group)) continue;
+      if (group.isolated) continue;
       if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0) continue;
       const bool contradicts = group.ratio_with_effects > kLargestVarianceRatio;
       Add(facts::VarianceTooLarge{group}, contradicts, 0.0);

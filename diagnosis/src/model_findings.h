@@ -6,6 +6,9 @@
 
 namespace dn::diagnosis_internal {
 
+// Noise may be misstated by a factor of 1.4; a larger factor has another cause.
+inline constexpr double kLargestVarianceRatio = 2.0;
+
 /// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);

@@ -173,12 +173,13 @@ TEST(CeresCostFunction, FailsWhereItsFactorThrows) {
   double x = 0.0;
   ceres::Problem problem;
   problem.AddResidualBlock(MakeCostFunction(ThrowingFactor()).release(), nullptr, &x);
-  EXPECT_FALSE(problem.Evaluate({}, nullptr, nullptr, nullptr, nullptr));
+  double cost = 0.0;
+  EXPECT_FALSE(problem.Evaluate({}, &cost, nullptr, nullptr, nullptr));
   EXPECT_THROW(Marginals{problem}, InvalidInput);
   Network net;
   net.Add(ThrowingFactor(), net.AddScalar("x", 0.0));
   NetworkProblem of_network(net);
-  EXPECT_FALSE(of_network.problem().Evaluate({}, nullptr, nullptr, nullptr, nullptr));
+  EXPECT_FALSE(of_network.problem().Evaluate({}, &cost, nullptr, nullptr, nullptr));
   EXPECT_THAT([&] { of_network.RethrowFactorException(); },
               ::testing::ThrowsMessage<InvalidInput>(::testing::HasSubstr("no model")));
 }
@@ -221,7 +222,7 @@ TEST(ProblemNetwork, SolvesWithNamesAndStoresValues) {
   EXPECT_TRUE(dn::Solve(network.network()).converged);
   EXPECT_EQ(x, 0.0);
   network.StoreValues();
-  EXPECT_NEAR(x, 3.0, 1e-12);
+  EXPECT_NEAR(x, 3.0, 1e-7);  // the last step is damped
   EXPECT_EQ(unused, 7.0);
   EXPECT_THROW(network.Find(nullptr), InvalidInput);
   EXPECT_THROW(Marginals(network.network()).Covariance(&x), InvalidInput);
@@ -422,6 +423,13 @@ TEST(ProblemNetwork, OfAG2oFileHasTheCovarianceOfCeres) {
       problem.AddParameterBlock(q.back().coeffs().data(), 4, quaternion);
       continue;
     }
+    if (tag == "FIX") {
+      std::size_t id = 0;
+      file >> id;
+      problem.SetParameterBlockConstant(p[id].data());
+      problem.SetParameterBlockConstant(q[id].coeffs().data());
+      continue;
+    }
     ASSERT_EQ(tag, "EDGE_SE3:QUAT");
     std::size_t a = 0, b = 0;
     RelativePoseError error;
@@ -441,8 +449,6 @@ TEST(ProblemNetwork, OfAG2oFileHasTheCovarianceOfCeres) {
                              q[b].coeffs().data());
   }
   ASSERT_GT(p.size(), 10U);
-  problem.SetParameterBlockConstant(p[0].data());
-  problem.SetParameterBlockConstant(q[0].coeffs().data());
   Solve(&problem);
   ExpectSameAsCeres(problem);
 }

@@ -2,11 +2,12 @@
 
 namespace dn {
 
-template <int kBytes>
+template <int kBytes, int kMallocIsAligned>
 int ProgramAlignsEigenTypesUnlikeTheLibrary() {
-  return kBytes;
+  return kMallocIsAligned != 0 ? kBytes : -kBytes;
 }
 
-template int ProgramAlignsEigenTypesUnlikeTheLibrary<EIGEN_MAX_STATIC_ALIGN_BYTES>();
+template int ProgramAlignsEigenTypesUnlikeTheLibrary<EIGEN_MAX_STATIC_ALIGN_BYTES,
+                                                     EIGEN_MALLOC_ALREADY_ALIGNED>();
 
 }  // namespace dn

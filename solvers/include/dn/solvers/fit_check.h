@@ -30,6 +30,7 @@ struct OutlierTest {
 struct RowFit {
   LinearizedNetwork::Row row;
   double standardised = 0.0;  ///< Baarda's w: residual / sqrt(redundancy number)
+  double redundancy = 0.0;    ///< redundancy number of the row
 };
 
 /// Compares the residuals of a channel, or of one axis of it, with their expected size.

@@ -19,6 +19,7 @@ struct GroupCheck {
   double p_value = 1.0;             ///< of a ratio this far from 1, two-sided
   double worst_t_s = 0.0;
   double worst_standardised = 0.0;  ///< residual / root of its redundancy number
+  bool isolated = false;            ///< one wrong measurement explains the misfit of the group
 };
 
 /// Test for errors that residuals share: sum, over time windows, of the squared sum of the
