@@ -114,8 +114,8 @@ class Checker {
     gain_ = linearized_.Times(marginals_.Solve(unit));
   }
 
-  /// Returns true if one measurement explains the misfit of its group. An error of a row shows in the
-  /// row itself only if its redundancy number is large enough; otherwise it shows in other rows.
+  /// Returns true if one measurement explains the misfit of its group. An error of a row shows in
+  /// the row itself only if its redundancy number is large enough; else it shows in other rows.
   bool IsIsolatedRow(const GroupCheck& group, const RowFit& worst) const {
     if (group.p_value > kFamilyLevel || std::abs(worst.standardised) < kIsolatedSigmas)
       return false;
