@@ -121,8 +121,8 @@ class Checker {
       return false;
     if (linearized_.group(worst.row.factor).kind != FactorGroup::Kind::kMeasurement) return false;
     if (worst.redundancy < kControlledRedundancy) return false;
-    const double all = group.variance_ratio * group.redundancy;
-    const double rest = all - worst.redundancy * std::pow(worst.standardised, 2);
+    // Without the row, the sum of squares of all groups is smaller by the square of its w.
+    const double rest = group.variance_ratio * group.redundancy - std::pow(worst.standardised, 2);
     return rest <= kLargestVarianceRatio * group.redundancy;
   }
 
