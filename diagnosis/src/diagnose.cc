@@ -68,7 +68,7 @@ class Diagnosis {
     watch_.Lap("twins");
     JudgeGap(*base);
     SelectEffects(std::move(base));
-    watch_.Lap("selection");
+    watch_.Lap("attribution");
     if (selection_.final) {
       Report("replicates with the effects", 0.8);
       after_ = source_.Compare(*selection_.final);
