@@ -81,6 +81,12 @@ def site_path(path, config, files):
     return destination
 
 
+def is_public_header(header):
+    """Whether a layer has this header, as a file or made by CMake from a template."""
+    places = (f"include/{header}", f"templates/{header.removeprefix('dn/')}.in")
+    return any(any(ROOT.glob(f"{folder}/{place}")) for place in places for folder in ("*", "*/*"))
+
+
 def on_page_markdown(markdown, page, config, files):
     folder = pathlib.Path(os.path.realpath(page.file.abs_src_path)).parent
 
@@ -93,7 +99,7 @@ def on_page_markdown(markdown, page, config, files):
         return link.group(1) + relative + link.group(3)
 
     for header in sorted(set(HEADER.findall(markdown))):
-        if not any(ROOT.glob(f"*/include/{header}")) and not any(ROOT.glob(f"*/*/include/{header}")):
+        if not is_public_header(header):
             log.warning(f"{page.file.src_path} names {header}, which is not a public header")
     lines, in_code = [], False
     for line in markdown.split("\n"):
