@@ -108,13 +108,14 @@ class FactorCheck {
     Plus(kind, x[i], d.data(), moved.data());
     x[i] = moved.data();
     Eigen::VectorXd r(r_.size());
-    const Eigen::VectorXd undefined =
-        Eigen::VectorXd::Constant(r_.size(), std::numeric_limits<double>::quiet_NaN());
+    bool defined = false;
     try {
-      return network_.EvaluateStored(id_, x.data(), r.data(), nullptr) ? r : undefined;
+      defined = network_.EvaluateStored(id_, x.data(), r.data(), nullptr);
     } catch (const Error&) {
-      return undefined;
+      defined = false;
     }
+    if (!defined) r.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return r;
   }
 
   JacobianFault MakeFault(std::size_t i, Eigen::Index row, Eigen::Index column,

@@ -155,6 +155,8 @@ void Cholesky::SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
   }
 }
 
+// A Ref is a view, which is cheap to copy.
+// NOLINTNEXTLINE(performance-unnecessary-value-param)
 void Cholesky::SolveInPlace(Eigen::Ref<Eigen::MatrixXd> W) const { factor_->SolveInPlace(W); }
 
 void Cholesky::SolveForward(int threads, Eigen::Ref<Eigen::MatrixXd> W) const {
