@@ -16,6 +16,9 @@ namespace {
 
 // Tangent coordinates have different units, so that no single step suits them all.
 constexpr double kFirstSteps[] = {1e-2, 1e-4, 1e-6};
+/// A further step changes the residual by this share of its size, if the Jacobian is right. It suits
+/// coordinates with very small units, and functions near a pole.
+constexpr double kResidualShare = 1e-3;
 /// A block whose Jacobian vanishes has only rounding errors. It is compared on the scale of the
 /// largest Jacobian of the factor times this value.
 constexpr double kVanishing = 1e-6;
@@ -58,6 +61,11 @@ class FactorCheck {
     for (Eigen::Index column = 0; column < J_[i].cols(); ++column) {
       std::vector<NumericalDerivative> numerical;
       for (const double step : kFirstSteps) numerical.push_back(Differentiate(i, column, step));
+      const double slope = J_[i].col(column).lpNorm<Eigen::Infinity>();
+      if (slope > 0.0) {
+        const double size = std::max(1.0, r_.lpNorm<Eigen::Infinity>());
+        numerical.push_back(Differentiate(i, column, kResidualShare * size / slope));
+      }
       const Eigen::VectorXd forward = (ResidualAt(i, column, kKinkStep) - r_) / kKinkStep;
       const Eigen::VectorXd backward = (r_ - ResidualAt(i, column, -kKinkStep)) / kKinkStep;
       for (Eigen::Index row = 0; row < J_[i].rows(); ++row) {

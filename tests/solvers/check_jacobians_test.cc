@@ -98,6 +98,14 @@ TEST(CheckJacobians, AcceptsRightJacobiansOfAnySize) {
   EXPECT_THAT(CheckJacobians(net), IsEmpty());
 }
 
+// Larger steps would cross the pole.
+TEST(CheckJacobians, AcceptsAFunctionNearItsPole) {
+  Network net;
+  const auto x = net.AddScalar("x", 0.0);
+  net.Add([](const auto& value) { return 1.0 / (1e-9 + value); }, Noise<1>::Sigma(1.0), x);
+  EXPECT_THAT(CheckJacobians(net), IsEmpty());
+}
+
 TEST(CheckJacobians, LeavesOutConstantBlocksAndInactiveFactors) {
   Network net;
   const auto p = net.AddVector<2>("line", {0.3, -0.2});
