@@ -16,8 +16,8 @@ namespace {
 
 // Tangent coordinates have different units, so that no single step suits them all.
 constexpr double kFirstSteps[] = {1e-2, 1e-4, 1e-6};
-/// A further step changes the residual by this share of its size, if the Jacobian is right. It suits
-/// coordinates with very small units, and functions near a pole.
+/// A further step changes the residual by this share of its size, if the Jacobian is right. It
+/// suits coordinates with very small units, and functions near a pole.
 constexpr double kResidualShare = 1e-3;
 /// A block whose Jacobian vanishes has only rounding errors. It is compared on the scale of the
 /// largest Jacobian of the factor times this value.
