@@ -199,7 +199,6 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
 void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
                  ModelCheck* check) {
   Findings findings(check);
-  findings.JudgeIsolatedRows();
   findings.JudgeDiagnosis(flight.config);
   findings.JudgeVectors(flight.pairs);
   findings.JudgePriors();
@@ -215,7 +214,6 @@ void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibratio
 
 void AddFindings(const Flight& flight, const PlaneCalibration& calibration, ModelCheck* check) {
   Findings findings(check);
-  findings.JudgeIsolatedRows();
   findings.JudgeDiagnosis(flight.config);
   findings.JudgeVectors(calibration.origin, "");
   findings.JudgeMounting(calibration.boresight.angles_rad);
