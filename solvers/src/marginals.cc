@@ -46,7 +46,7 @@ void Marginals::Impl::Factor(const MarginalsOptions& options) {
   const std::shared_ptr<SharedAnalysis> shared =
       options.analysis ? options.analysis : std::make_shared<SharedAnalysis>();
   Stopwatch watch;
-  shared->impl().Assemble(layout(), linearization, options.linear_algebra);
+  shared->impl().Assemble(layout(), linearization);
   sparse::SymmetricCsc& N = shared->impl().equations->N;
   scale = sparse::JacobiScale(N);
   sparse::ApplyScale(scale, &N);
@@ -54,7 +54,7 @@ void Marginals::Impl::Factor(const MarginalsOptions& options) {
   timings.analyze_s = shared->impl().analyze_s;
   timings.assemble_s = watch.Restart() - timings.analyze_s;
 
-  const bool definite = cholesky->Factorize(N, 0.0, threads);
+  const bool definite = cholesky->Factorize(N);
   timings.factor_s = watch.Restart();
 
   if (!definite || ProbeInformation(linearization, scale, *cholesky) < kProbeThreshold) {

@@ -109,8 +109,7 @@ struct VarianceLikelihood::Impl {
         equations(network.layout, network.linearization),
         workers(static_cast<std::size_t>(std::clamp(threads, 1, kMaxThreads))) {
     if (network.layout.size() == 0) return;
-    analysed = std::make_unique<sparse::Cholesky>(equations.N, equations.blocks, network.layout,
-                                                  DefaultLinearAlgebra());
+    analysed = std::make_unique<sparse::Cholesky>(equations.N, equations.blocks, network.layout);
   }
 
   void Compute(const std::vector<double>& thetas) {

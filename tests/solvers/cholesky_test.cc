@@ -71,20 +71,15 @@ struct BlockCube {
   }
 };
 
-class Cholesky : public ::testing::TestWithParam<LinearAlgebra> {};
-
-INSTANTIATE_TEST_SUITE_P(By, Cholesky,
-                         ::testing::Values(LinearAlgebra::kMultifrontal, LinearAlgebra::kCholmod));
-
 std::vector<double> CscValues(const sparse::Cholesky& cholesky) {
   return {cholesky.values(), cholesky.values() + cholesky.pattern().num_values};
 }
 
-TEST_P(Cholesky, AgreesWithDenseFactorisation) {
+TEST(Cholesky, AgreesWithDenseFactorisation) {
   const BlockCube cube(1);
   const UnknownLayout layout(cube.network);
-  sparse::Cholesky cholesky(cube.A, cube.blocks, layout, GetParam());
-  ASSERT_TRUE(cholesky.Factorize(cube.A, 0.5, 2));
+  sparse::Cholesky cholesky(cube.A, cube.blocks, layout);
+  ASSERT_TRUE(cholesky.Factorize(cube.A, 0.5));
 
   const Eigen::MatrixXd shifted = cube.dense + 0.5 * Eigen::MatrixXd::Identity(cube.A.n, cube.A.n);
   const Eigen::LLT<Eigen::MatrixXd> llt(shifted);
@@ -109,9 +104,9 @@ TEST_P(Cholesky, AgreesWithDenseFactorisation) {
 }
 
 // Uses more right-hand sides than are solved together, so that some are rows of a larger array.
-TEST_P(Cholesky, HalvesOfSolutionsMultiplyToTheWhole) {
+TEST(Cholesky, HalvesOfSolutionsMultiplyToTheWhole) {
   const BlockCube cube(3);
-  sparse::Cholesky cholesky(cube.A, cube.blocks, UnknownLayout(cube.network), GetParam());
+  sparse::Cholesky cholesky(cube.A, cube.blocks, UnknownLayout(cube.network));
   ASSERT_TRUE(cholesky.Factorize(cube.A));
   const Eigen::MatrixXd B = Eigen::MatrixXd::Random(cube.A.n, 37);
   const Eigen::MatrixXd whole = B.transpose() * cholesky.Solve(B);
@@ -125,34 +120,32 @@ TEST_P(Cholesky, HalvesOfSolutionsMultiplyToTheWhole) {
   }
 }
 
-TEST_P(Cholesky, NumbersDoNotDependOnThreads) {
+TEST(Cholesky, NumbersDoNotDependOnThreads) {
   const BlockCube cube(2);
   const UnknownLayout layout(cube.network);
-  sparse::Cholesky one(cube.A, cube.blocks, layout, GetParam());
+  sparse::Cholesky one(cube.A, cube.blocks, layout);
   ASSERT_TRUE(one.Factorize(cube.A));
   const sparse::SelectedInverse inverse_of_one(one, 1);
   for (const int threads : {2, 5}) {
     sparse::Cholesky several(one);
-    ASSERT_TRUE(several.Factorize(cube.A, 0.0, threads));
+    ASSERT_TRUE(several.Factorize(cube.A));
     EXPECT_EQ(CscValues(several), CscValues(one)) << threads;
     const sparse::SelectedInverse inverse(several, threads);
     for (int c = 0; c < cube.A.n; ++c) ASSERT_EQ(inverse.At(c, c), inverse_of_one.At(c, c)) << c;
   }
 }
 
-TEST_P(Cholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
+TEST(Cholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
   const BlockCube cube(3);
   const UnknownLayout layout(cube.network);
-  sparse::Cholesky cholesky(cube.A, cube.blocks, layout, GetParam());
-  for (const int threads : {1, 2}) {
-    EXPECT_FALSE(cholesky.Factorize(cube.A, -20.0, threads));
-    sparse::SymmetricCsc last_negative = cube.A;
-    last_negative.value.back() = -1.0;
-    EXPECT_FALSE(cholesky.Factorize(last_negative, 0.0, threads));
-    sparse::SymmetricCsc undefined = cube.A;
-    undefined.value[undefined.value.size() / 2] = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_FALSE(cholesky.Factorize(undefined, 0.0, threads));
-  }
+  sparse::Cholesky cholesky(cube.A, cube.blocks, layout);
+  EXPECT_FALSE(cholesky.Factorize(cube.A, -20.0));
+  sparse::SymmetricCsc last_negative = cube.A;
+  last_negative.value.back() = -1.0;
+  EXPECT_FALSE(cholesky.Factorize(last_negative));
+  sparse::SymmetricCsc undefined = cube.A;
+  undefined.value[undefined.value.size() / 2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(cholesky.Factorize(undefined));
   EXPECT_TRUE(cholesky.Factorize(cube.A));
 }
 

@@ -18,7 +18,6 @@ void dtrmm_(const char* side, const char* uplo, const char* transa, const char* 
             const int* ldb);
 void dtrtri_(const char* uplo, const char* diag, const int* n, double* a, const int* lda,
              int* info);
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
 
 namespace dn::sparse {

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <new>
-#include <string>
+#include <utility>
+#include <vector>
 
 #include "sparse/cholmod_factor.h"
 #include "sparse/elimination_order.h"
-#include "sparse/multifrontal.h"
 #include "sparse/serial_blas.h"
 
 namespace dn::sparse {
@@ -42,9 +41,9 @@ SupernodalPattern CopyPattern(const cholmod_factor& factor) {
   return pattern;
 }
 
-std::vector<int> Inverse(const int* permutation, int n) {
-  std::vector<int> inverse(AsSize(n));
-  for (int i = 0; i < n; ++i) inverse[AsSize(permutation[i])] = i;
+std::vector<int> Inverse(const int* permutation, std::size_t n) {
+  std::vector<int> inverse(n);
+  for (std::size_t i = 0; i < n; ++i) inverse[AsSize(permutation[i])] = static_cast<int>(i);
   return inverse;
 }
 
@@ -61,27 +60,15 @@ struct Cholesky::Analysis {
   std::vector<int> permuted_index;
   SupernodalPattern pattern;
   SupernodeTree tree;
-  /// Present for LinearAlgebra::kMultifrontal.
-  std::shared_ptr<const Multifrontal> multifrontal;
 
-  Analysis(const SymmetricCsc& A, CholmodFactorPointer analysed, LinearAlgebra choice)
+  explicit Analysis(CholmodFactorPointer analysed)
       : symbolic(std::move(analysed)),
-        permuted_index(Inverse(static_cast<const int*>(symbolic->Perm), A.n)),
+        permuted_index(Inverse(static_cast<const int*>(symbolic->Perm), symbolic->n)),
         pattern(CopyPattern(*symbolic)),
-        tree(pattern) {
-    if (choice == LinearAlgebra::kMultifrontal) {
-      multifrontal = std::make_shared<const Multifrontal>(A, permuted_index, pattern, tree);
-    }
-  }
-
-  std::unique_ptr<NumericFactor> NewFactor() const {
-    if (multifrontal) return std::make_unique<MultifrontalFactor>(multifrontal);
-    return std::make_unique<CholmodFactor>(*symbolic);
-  }
+        tree(pattern) {}
 };
 
-Cholesky::Cholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout,
-                   LinearAlgebra linear_algebra) {
+Cholesky::Cholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout) {
   CholmodCommon common;
   common->nmethods = 1;
   common->method[0].ordering = CHOLMOD_GIVEN;
@@ -91,18 +78,16 @@ Cholesky::Cholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const Unkn
   cholmod_sparse view = View(A);
   CholmodFactorPointer symbolic(cholmod_analyze_p(&view, order.data(), nullptr, 0, common.get()));
   common.Check("analysing");
-  analysis_ = std::make_shared<const Analysis>(A, std::move(symbolic), linear_algebra);
+  analysis_ = std::make_shared<const Analysis>(std::move(symbolic));
 }
 
 Cholesky::Cholesky(const Cholesky& analysed) : analysis_(analysed.analysis_) {}
 
 Cholesky::~Cholesky() = default;
 
-LinearAlgebra Cholesky::linear_algebra() const {
-  return analysis_->multifrontal ? LinearAlgebra::kMultifrontal : LinearAlgebra::kCholmod;
-}
 const SupernodalPattern& Cholesky::pattern() const { return analysis_->pattern; }
 const SupernodeTree& Cholesky::tree() const { return analysis_->tree; }
+const double* Cholesky::values() const { return factor_->values(); }
 const std::vector<int>& Cholesky::permuted_index() const { return analysis_->permuted_index; }
 
 template <class Use>
@@ -114,9 +99,9 @@ void Cholesky::ForDiagonal(const Use& use) const {
   }
 }
 
-bool Cholesky::Factorize(const SymmetricCsc& A, double shift, int threads) {
-  if (!factor_) factor_ = analysis_->NewFactor();
-  return factor_->Factorize(A, shift, threads) && PivotsArePositive();
+bool Cholesky::Factorize(const SymmetricCsc& A, double shift) {
+  if (!factor_) factor_ = std::make_unique<CholmodFactor>(*analysis_->symbolic);
+  return factor_->Factorize(A, shift) && PivotsArePositive();
 }
 
 bool Cholesky::PivotsArePositive() const {
@@ -131,42 +116,42 @@ Eigen::MatrixXd Cholesky::Solve(const Eigen::MatrixXd& B, int threads) const {
   const int shares = std::clamp(columns / kFewestColumns, 1, std::max(threads, 1));
   ParallelFor(shares, shares, [&](int k) {
     const SerialBlas serial;
-    const int first = columns * k / shares, past = columns * (k + 1) / shares;
-    SolveColumns(B.middleCols(first, past - first), X.middleCols(first, past - first));
+    SolveColumns(B, columns * k / shares, columns * (k + 1) / shares, &X);
   });
   return X;
 }
 
-void Cholesky::SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
-                            Eigen::Ref<Eigen::MatrixXd> X) const {
-  Eigen::MatrixXd by_row(std::min<Eigen::Index>(kMostColumns, B.cols()), B.rows());
-  for (Eigen::Index first = 0; first < B.cols(); first += kMostColumns) {
-    const Eigen::Index n = std::min<Eigen::Index>(kMostColumns, B.cols() - first);
-    by_row.resize(n, B.rows());
-    for (Eigen::Index i = 0; i < B.rows(); ++i) {
-      by_row.col(permuted_index()[static_cast<std::size_t>(i)]) =
-          B.row(i).segment(first, n).transpose();
-    }
-    factor_->SolveInPlace(by_row);
-    for (Eigen::Index i = 0; i < B.rows(); ++i) {
-      X.row(i).segment(first, n) =
-          by_row.col(permuted_index()[static_cast<std::size_t>(i)]).transpose();
-    }
+void Cholesky::SolveColumns(const Eigen::MatrixXd& B, Eigen::Index first, Eigen::Index past,
+                            Eigen::MatrixXd* X) const {
+  const std::vector<int>& row = permuted_index();
+  Eigen::MatrixXd permuted;
+  for (; first < past; first += kMostColumns) {
+    const Eigen::Index n = std::min<Eigen::Index>(kMostColumns, past - first);
+    permuted.resize(B.rows(), n);
+    permuted(row, Eigen::all) = B.middleCols(first, n);
+    factor_->Solve(&permuted);
+    X->middleCols(first, n) = permuted(row, Eigen::all);
   }
 }
 
 // A Ref is a view, which is cheap to copy.
 // NOLINTNEXTLINE(performance-unnecessary-value-param)
-void Cholesky::SolveInPlace(Eigen::Ref<Eigen::MatrixXd> W) const { factor_->SolveInPlace(W); }
+void Cholesky::SolveInPlace(Eigen::Ref<Eigen::MatrixXd> W) const {
+  Eigen::MatrixXd by_column = W.transpose();
+  factor_->Solve(&by_column);
+  W = by_column.transpose();
+}
 
 void Cholesky::SolveForward(int threads, Eigen::Ref<Eigen::MatrixXd> W) const {
-  ParallelForChunks(
-      AsSize(W.rows()), kMostColumns, threads,
-      [&](std::size_t, std::size_t first, std::size_t past) {
-        const SerialBlas serial;
-        factor_->SolveForwardInPlace(W.middleRows(static_cast<Eigen::Index>(first),
-                                                  static_cast<Eigen::Index>(past - first)));
-      });
+  ParallelForChunks(AsSize(W.rows()), kMostColumns, threads,
+                    [&](std::size_t, std::size_t first, std::size_t past) {
+                      const SerialBlas serial;
+                      auto rows = W.middleRows(static_cast<Eigen::Index>(first),
+                                               static_cast<Eigen::Index>(past - first));
+                      Eigen::MatrixXd by_column = rows.transpose();
+                      factor_->SolveForward(&by_column);
+                      rows = by_column.transpose();
+                    });
 }
 
 double Cholesky::LogDeterminant() const {

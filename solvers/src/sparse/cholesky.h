@@ -1,32 +1,31 @@
 #pragma once
 
-#include <dn/solvers/linear_algebra.h>
-
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
 
 #include "sparse/block_pattern.h"
-#include "sparse/numeric_factor.h"
 #include "sparse/supernode_tree.h"
 
 namespace dn::sparse {
 
-/// Supernodal Cholesky factorisation A = P^T L L^T P of a sparse symmetric matrix.
+class CholmodFactor;
+
+/// Supernodal Cholesky factorisation A = P^T L L^T P of a sparse symmetric matrix. CHOLMOD
+/// analyses, factors and solves in the order that FindEliminationOrder returns.
 class Cholesky {
  public:
   /// Orders the blocks (FindEliminationOrder), expands the order to scalar unknowns and analyses
   /// the pattern of A. `layout` gives the sizes of the blocks.
-  Cholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout,
-           LinearAlgebra linear_algebra);
+  Cholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout);
   /// Shares the analysis of another object but has no numeric factor yet.
   explicit Cholesky(const Cholesky& analysed);
   ~Cholesky();
   Cholesky& operator=(const Cholesky&) = delete;
 
   /// Factors A + shift I, where A has the analysed pattern. Returns false if it is not numerically
-  /// positive definite. The factor does not depend on the number of threads.
-  [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift = 0.0, int threads = 1);
+  /// positive definite. Throws std::bad_alloc.
+  [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift = 0.0);
 
   /// Returns A^-1 B. The columns are distributed over the threads.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& B, int threads = 1) const;
@@ -45,11 +44,10 @@ class Cholesky {
   /// Returns the square of the smallest diagonal entry of L.
   double SmallestPivot() const;
 
-  LinearAlgebra linear_algebra() const;
   const SupernodalPattern& pattern() const;
   const SupernodeTree& tree() const;
   /// Returns the values of L, in the layout of its pattern.
-  const double* values() const { return factor_->values(); }
+  const double* values() const;
   /// Returns, for each unknown of A, its row in P A P^T.
   const std::vector<int>& permuted_index() const;
   long num_nonzeros() const { return static_cast<long>(pattern().num_values); }
@@ -57,8 +55,9 @@ class Cholesky {
  private:
   struct Analysis;
 
-  void SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
-                    Eigen::Ref<Eigen::MatrixXd> X) const;
+  /// Computes columns [first, past) of A^-1 B.
+  void SolveColumns(const Eigen::MatrixXd& B, Eigen::Index first, Eigen::Index past,
+                    Eigen::MatrixXd* X) const;
   /// Returns false also for pivots that are NaN, which LAPACK does not detect.
   bool PivotsArePositive() const;
   /// Calls use(L_ii) for every unknown, in the order of L.
@@ -66,7 +65,7 @@ class Cholesky {
   void ForDiagonal(const Use& use) const;
 
   std::shared_ptr<const Analysis> analysis_;
-  std::unique_ptr<NumericFactor> factor_;
+  std::unique_ptr<CholmodFactor> factor_;
 };
 
 }  // namespace dn::sparse

@@ -6,7 +6,7 @@ namespace dn::sparse {
 namespace {
 
 /// Returns a matrix as a CHOLMOD matrix without copying it.
-cholmod_dense DenseView(Eigen::MatrixXd* X) {
+cholmod_dense View(Eigen::MatrixXd* X) {
   cholmod_dense view{};
   view.nrow = view.d = static_cast<std::size_t>(X->rows());
   view.ncol = static_cast<std::size_t>(X->cols());
@@ -17,6 +17,16 @@ cholmod_dense DenseView(Eigen::MatrixXd* X) {
   return view;
 }
 
+/// Calls steps(X, workspace, common) with the arguments of CHOLMOD's triangular solutions.
+template <class Steps>
+void SolveBy(const Steps& steps, const cholmod_factor& L, Eigen::MatrixXd* X) {
+  CholmodCommon common;
+  Eigen::MatrixXd work(X->cols(), static_cast<Eigen::Index>(std::max<std::size_t>(L.maxesize, 1)));
+  cholmod_dense view = View(X), work_view = View(&work);
+  steps(&view, &work_view, common.get());
+  common.Check("solving");
+}
+
 }  // namespace
 
 CholmodFactor::CholmodFactor(const cholmod_factor& analysed)
@@ -25,38 +35,27 @@ CholmodFactor::CholmodFactor(const cholmod_factor& analysed)
   common_->quick_return_if_not_posdef = 1;
 }
 
-bool CholmodFactor::Factorize(const SymmetricCsc& A, double shift, int /*threads*/) {
-  cholmod_sparse view = View(A);
+bool CholmodFactor::Factorize(const SymmetricCsc& A, double shift) {
+  cholmod_sparse view = sparse::View(A);
   double beta[2] = {shift, 0.0};
   cholmod_factorize_p(&view, beta, nullptr, 0, L_.get(), common_.get());
   common_.Check("factoring");
   return L_->minor == L_->n;
 }
 
-/// Calls halves(L, X^T, workspace, common), which solves with L, L^T or both.
-template <class Halves>
-void CholmodFactor::SolveTransposed(Eigen::Ref<Eigen::MatrixXd> X, const Halves& halves) const {
-  CholmodCommon common;
-  Eigen::MatrixXd by_column = X.transpose();
-  Eigen::MatrixXd work(X.rows(),
-                       std::max<Eigen::Index>(static_cast<Eigen::Index>(L_->maxesize), 1));
-  cholmod_dense view = DenseView(&by_column), E = DenseView(&work);
-  halves(L_.get(), &view, &E, common.get());
-  common.Check("solving");
-  X = by_column.transpose();
+void CholmodFactor::Solve(Eigen::MatrixXd* X) const {
+  SolveBy(
+      [this](auto* x, auto* work, auto* common) {
+        cholmod_super_lsolve(L_.get(), x, work, common);
+        cholmod_super_ltsolve(L_.get(), x, work, common);
+      },
+      *L_, X);
 }
 
-void CholmodFactor::SolveInPlace(Eigen::Ref<Eigen::MatrixXd> X) const {
-  SolveTransposed(X, [](auto* L, auto* view, auto* E, auto* common) {
-    cholmod_super_lsolve(L, view, E, common);
-    cholmod_super_ltsolve(L, view, E, common);
-  });
-}
-
-void CholmodFactor::SolveForwardInPlace(Eigen::Ref<Eigen::MatrixXd> X) const {
-  SolveTransposed(X, [](auto* L, auto* view, auto* E, auto* common) {
-    cholmod_super_lsolve(L, view, E, common);
-  });
+void CholmodFactor::SolveForward(Eigen::MatrixXd* X) const {
+  SolveBy([this](auto* x, auto* work,
+                 auto* common) { cholmod_super_lsolve(L_.get(), x, work, common); },
+          *L_, X);
 }
 
 }  // namespace dn::sparse

@@ -1,27 +1,29 @@
 #pragma once
 
-#include <memory>
+#include <Eigen/Core>
 
 #include "sparse/cholmod_support.h"
-#include "sparse/numeric_factor.h"
 
 namespace dn::sparse {
 
-/// Numeric factor that CHOLMOD computes and solves with, in its supernodal layout.
-class CholmodFactor final : public NumericFactor {
+/// Numeric factor L of P A P^T, computed by CHOLMOD in its supernodal layout.
+class CholmodFactor {
  public:
   /// Copies the supernodal analysis of a pattern.
   explicit CholmodFactor(const cholmod_factor& analysed);
 
-  bool Factorize(const SymmetricCsc& A, double shift, int threads) override;
-  const double* values() const override { return static_cast<const double*>(L_->x); }
-  void SolveInPlace(Eigen::Ref<Eigen::MatrixXd> X) const override;
-  void SolveForwardInPlace(Eigen::Ref<Eigen::MatrixXd> X) const override;
+  /// Factors A + shift I. Returns false if CHOLMOD finds a pivot that is not positive.
+  [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift);
+
+  /// Returns the values of L.
+  const double* values() const { return static_cast<const double*>(L_->x); }
+
+  /// Computes (L L^T)^-1 X in place; the rows of X are in the order of L.
+  void Solve(Eigen::MatrixXd* X) const;
+  /// Computes L^-1 X in place.
+  void SolveForward(Eigen::MatrixXd* X) const;
 
  private:
-  template <class Halves>
-  void SolveTransposed(Eigen::Ref<Eigen::MatrixXd> X, const Halves& halves) const;
-
   CholmodCommon common_;
   CholmodFactorPointer L_;
 };

@@ -63,7 +63,7 @@ class Iteration {
     SharedAnalysis::Impl& analysis = shared->impl();
     while (report_.iterations < options_.max_iterations) {
       if (report_.iterations == 0) {
-        analysis.Assemble(layout_, linearization_, options_.linear_algebra);
+        analysis.Assemble(layout_, linearization_);
       } else {
         analysis.equations->Assemble(layout_, linearization_);
       }
@@ -83,7 +83,7 @@ class Iteration {
     }
     const Eigen::VectorXd scale = JacobiScale(equations.N);
     ApplyScale(scale, &equations.N);
-    if (!cholesky.Factorize(equations.N, 0.0, options_.threads)) return Outcome::kTooLong;
+    if (!cholesky.Factorize(equations.N)) return Outcome::kTooLong;
     if (cholesky.SmallestPivot() < kLeastPivot) return Outcome::kTooLong;
     const Eigen::VectorXd step =
         -scale.cwiseProduct(cholesky.Solve(scale.cwiseProduct(gradient)).col(0));

@@ -4,19 +4,17 @@
 
 namespace dn {
 
-void SharedAnalysis::Impl::Assemble(const UnknownLayout& layout, const Linearization& linearization,
-                                    LinearAlgebra linear_algebra) {
+void SharedAnalysis::Impl::Assemble(const UnknownLayout& layout,
+                                    const Linearization& linearization) {
   analyze_s = 0.0;
-  if (equations && offset_ == layout.offset && equations->Place(linearization) &&
-      cholesky->linear_algebra() == linear_algebra) {
+  if (equations && offset_ == layout.offset && equations->Place(linearization)) {
     equations->Assemble(layout, linearization);
     return;
   }
   cholesky.reset();
   equations = std::make_unique<sparse::NormalEquations>(layout, linearization);
   const Stopwatch watch;
-  cholesky =
-      std::make_unique<sparse::Cholesky>(equations->N, equations->blocks, layout, linear_algebra);
+  cholesky = std::make_unique<sparse::Cholesky>(equations->N, equations->blocks, layout);
   analyze_s = watch.seconds();
   offset_ = layout.offset;
 }

@@ -15,9 +15,8 @@ struct SharedAnalysis::Impl {
   double analyze_s = 0.0;  ///< time of the last Assemble; 0 if the analysis was reused
 
   /// Assembles the normal equations. Reuses the order and analysis of the last network if they fit
-  /// this one and were made for the same linear algebra.
-  void Assemble(const UnknownLayout& layout, const Linearization& linearization,
-                LinearAlgebra linear_algebra);
+  /// this one.
+  void Assemble(const UnknownLayout& layout, const Linearization& linearization);
 
  private:
   std::vector<int> offset_;  ///< offsets of the analysed layout

@@ -86,13 +86,6 @@ void SupernodeTree::FindBranches(const SupernodalPattern& L) {
   for (; !open.empty(); open.pop()) branches_.push_back(open.top());
 }
 
-void SupernodeTree::Up(int threads, const Work& work) const {
-  ParallelForDynamic(static_cast<int>(branches_.size()), threads, [&](int b) {
-    for (int s = branches_[At(b)].first; s <= branches_[At(b)].root; ++s) work(s, 1);
-  });
-  for (const int s : trunk_) work(s, threads);
-}
-
 void SupernodeTree::Down(int threads, const Work& work) const {
   for (auto s = trunk_.rbegin(); s != trunk_.rend(); ++s) work(*s, threads);
   ParallelForDynamic(static_cast<int>(branches_.size()), threads, [&](int b) {

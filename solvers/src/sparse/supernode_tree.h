@@ -40,8 +40,6 @@ class SupernodeTree {
   /// Work for supernode s with the given number of threads.
   using Work = std::function<void(int s, int threads)>;
 
-  /// Calls `work` for every supernode, children before their parent.
-  void Up(int threads, const Work& work) const;
   /// Calls `work` for every supernode, the parent before its children.
   void Down(int threads, const Work& work) const;
 

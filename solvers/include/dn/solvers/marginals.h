@@ -1,7 +1,6 @@
 #pragma once
 
 #include <dn/network.h>
-#include <dn/solvers/linear_algebra.h>
 #include <dn/solvers/linearized_network.h>
 #include <dn/solvers/shared_analysis.h>
 
@@ -25,13 +24,12 @@ using BlockColumns = std::map<BlockId, Eigen::MatrixXd>;
 
 /// Options of Marginals.
 struct MarginalsOptions {
-  /// For the evaluation of the factors, the factorisation and the selected inverse.
+  /// For the evaluation of the factors, the selected inverse and several right-hand sides.
   int threads = 1;
   /// A direction of the Jacobi-scaled unknowns (unit vector v, columns of J scaled to unit length)
   /// counts as undetermined if |J v|^2 is below this value. A weakly determined direction is far
   /// above it.
   double null_tolerance = 1e-16;
-  LinearAlgebra linear_algebra = DefaultLinearAlgebra();
   /// If given, the elimination order and its analysis are shared with other solutions; see
   /// SharedAnalysis.
   std::shared_ptr<SharedAnalysis> analysis = {};

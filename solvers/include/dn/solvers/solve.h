@@ -1,7 +1,6 @@
 #pragma once
 
 #include <dn/network.h>
-#include <dn/solvers/linear_algebra.h>
 #include <dn/solvers/shared_analysis.h>
 
 #include <cmath>
@@ -27,7 +26,7 @@ struct IterationProgress {
 /// data sets for non-linear regression.
 struct SolveOptions {
   int max_iterations = 1000;
-  int threads = 1;  ///< for the evaluation of the factors and the factorisation
+  int threads = 1;  ///< for the evaluation of the factors
   double function_tolerance = 1e-15;
   double parameter_tolerance = 1e-12;
   double gradient_tolerance = 1e-15;
@@ -50,8 +49,6 @@ struct SolveOptions {
 #else
   bool check_jacobians = true;
 #endif
-  /// Factorisation of the Gauss-Newton steps.
-  LinearAlgebra linear_algebra = DefaultLinearAlgebra();
   /// If given, the elimination order and its analysis are shared with other solutions; see
   /// SharedAnalysis.
   std::shared_ptr<SharedAnalysis> analysis = {};
