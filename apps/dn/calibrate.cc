@@ -278,10 +278,11 @@ struct NetworkRun {
 
 NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   const Solution& solution = *flight_run->solution;
-  PoseInterpolator poses(flight_run->trajectory.ToMapPoses(flight_run->flight.frame));
+  PoseInterpolator poses(
+      Trajectory(std::move(flight_run->modelled)).ToMapPoses(flight_run->flight.frame));
   std::vector<PairResidual> pairs = PairResiduals(solution.network(), poses);
-  return {std::move(flight_run), solution.CheckedBoresight(), solution.Unknowns(), std::move(poses),
-          std::move(pairs)};
+  return {std::move(flight_run), solution.CheckedBoresight(), solution.CheckedUnknowns(),
+          std::move(poses), std::move(pairs)};
 }
 
 /// Stages the swaths of the pairs, unless swaths of matched point clouds are staged: those show
@@ -488,6 +489,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
                                           "(dn), or from a smoothed trajectory and lidar data "
                                           "(gh, planes)");
   AddFlightOptions(app, &options->flight, &options->common);
+  AddUnmodelled(app, &options->common);
   app->add_option(
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a fixed trajectory; planes: planes "

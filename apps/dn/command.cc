@@ -289,6 +289,14 @@ void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options
   AddChanges(app, "flight.yaml", "gnss.sigma_scale=2", options);
 }
 
+void AddUnmodelled(CLI::App* app, CommonOptions* options) {
+  app->add_option_function<std::string>(
+         "--unmodelled",
+         [options](const std::string& value) { options->changes.push_back("unmodelled=" + value); },
+         "Sizes of the effects that the model leaves out, as in flight.yaml; none: the pure model")
+      ->expected(1);
+}
+
 void AddThreads(CLI::App* app, CommonOptions* options) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   options->threads = std::max(1, cores);

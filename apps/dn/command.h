@@ -117,6 +117,8 @@ void AddChanges(CLI::App* app, const std::string& of, const std::string& example
 
 /// Adds the argument FLIGHT and --set.
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options);
+/// Adds --unmodelled, which replaces the section of flight.yaml as --set does.
+void AddUnmodelled(CLI::App* app, CommonOptions* options);
 
 /// Each Add... function below adds one subcommand to the program. If the command line names that
 /// subcommand, parsing stores its action in *action; main then runs it.

@@ -37,7 +37,7 @@ struct Plot {
 };
 
 std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
-  const auto& sigma = flight_run.solution->trajectory().sigma;
+  const std::vector<TrajectorySigma> sigma = flight_run.solution->CheckedSigmas();
   const auto& biases = flight_run.solution->trajectory().biases;
   const char* enu[] = {"east", "north", "up"};
   const char* rph[] = {"roll", "pitch", "heading"};
@@ -184,8 +184,8 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   solution.trajectory();
   run->progress.Stage("model check");
   solution.model_check();
-  result->trajectory =
-      Trajectory(DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads));
+  result->modelled = DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads);
+  result->trajectory = Trajectory(solution.CheckedTrajectory(result->modelled));
   result->timings.covariance_s = covariance_watch.seconds();
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
@@ -200,8 +200,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   const bool with_pairs = !network.pairs().edges().empty();
   auto plots = Beside(run->options().threads, [&] { return DrawPlots(flight_run); });
   run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory.points(), with_pairs));
-  run->AddFile("trajectory_sigma.txt",
-               FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
+  run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(flight_run.solution->CheckedSigmas()));
   run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));
   if (!network.trajectory().gnss_error().empty()) {
     run->AddFile("gnss_errors.txt", FormatGnssErrors(network, flight_run.solution->marginals()));

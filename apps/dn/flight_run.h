@@ -15,7 +15,8 @@ struct FlightRun {
   Flight flight;
   std::vector<std::string> hints;    ///< likely mistakes, found before the adjustment
   std::optional<Solution> solution;  ///< adjustment of `flight`
-  Trajectory trajectory;             ///< adjusted trajectory at 100 Hz
+  Trajectory trajectory;  ///< adjusted trajectory at 100 Hz, by Solution::CheckedTrajectory
+  std::vector<NavPoint> modelled;  ///< the same by the pure model, as the network has it
   RunTimings timings;
 
   const Adjustment& adjustment() const { return solution->adjustment(); }

@@ -135,6 +135,7 @@ void AddDepth(CLI::App* app, GapArguments* options) {
 
 void AddGapOptions(CLI::App* app, GapArguments* options) {
   AddFlightOptions(app, &options->flight, &options->common);
+  AddUnmodelled(app, &options->common);
   AddDepth(app, options);
   app->add_option("--seed", options->seed, "Seed of the Monte-Carlo replicates")
       ->check(WholeNumber(0))

@@ -201,7 +201,7 @@ void AddMatches(const MatchedFlight& matched, Run& run) {
 void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder, Run& run) {
   run.AddFile(folder + "trajectory.out", FormatSbet(smoothed.trajectory.points(), false));
   run.AddFile(folder + "trajectory_sigma.txt",
-              FormatTrajectorySigma(smoothed.solution->trajectory().sigma));
+              FormatTrajectorySigma(smoothed.solution->CheckedSigmas()));
 }
 
 void FailNoPairs() {

@@ -45,8 +45,9 @@ void Smooth(const SmoothOptions& options, Run& run) {
   if (!separation.epochs.empty()) {
     run.AddFile("filter_separation.txt", FormatSeparation(separation));
   }
-  Json smooth = SmoothJson(flight_run->flight.config.name, trajectory, check,
-                           flight_run->solution->Unknowns(), flight_run->timings);
+  Json smooth =
+      SmoothJson(flight_run->flight.config.name, trajectory, flight_run->solution->CheckedSigmas(),
+                 check, flight_run->solution->CheckedUnknowns(), flight_run->timings);
   smooth["separation"] = SeparationJson(separation);
   run.AddFile("smooth.json", FormatJson(smooth));
   FillReport(*flight_run, &run);
@@ -61,6 +62,7 @@ void AddSmooth(CLI::App* program, Action* action) {
   CLI::App* app =
       program->add_subcommand("smooth", "Computes the smoothed INS/GNSS trajectory, without lidar");
   AddFlightOptions(app, &options->flight, &options->common);
+  AddUnmodelled(app, &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn smooth flight --out result");
   app->callback([options, action] {

@@ -91,7 +91,7 @@ void PrintSmoothSummary(const FlightRun& flight_run, const FilterSeparation& sep
              check.contradicted() ? "contradicted, the data do not agree with the assumed model"
                                   : "consistent, the data agree with the assumed model");
   PrintReasons(Words(check.findings), "smooth.json");
-  PrintAccuracy(trajectory.sigma, check.contradicted());
+  PrintAccuracy(flight_run.solution->CheckedSigmas(), check.contradicted());
   PrintSeparation(separation);
   PrintClocks(check.clocks);
   PrintReference(reference_errors);

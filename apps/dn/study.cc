@@ -25,6 +25,7 @@ struct StudyArguments {
   CommonOptions common;
   std::string what;  ///< scenario or flight
   std::string estimate;
+  std::string unmodelled;
   bool no_remedies = false;
   bool no_limits = false;
   std::uint64_t seed = 1;
@@ -49,6 +50,7 @@ StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
   study.design.threads = run.options().threads;
   study.design.seed = options.seed;
   study.design.estimate = options.estimate;
+  study.design.unmodelled = options.unmodelled;
   study.design.interrupted = [] { return SignalReceived(); };
   study.remedies = !options.no_remedies;
   return study;
@@ -157,6 +159,9 @@ void AddStudyOptions(CLI::App* app, StudyArguments* options) {
       "--estimate", options->estimate,
       "Comma-separated unknowns in addition to the boresight, as in `estimate` of flight.yaml. "
       "Default: those of the flight");
+  app->add_option("--unmodelled", options->unmodelled,
+                  "Sizes of the effects that the model leaves out, as in flight.yaml; none: the "
+                  "pure model. Default: those of the flight");
   app->add_option("--seed", options->seed,
                   "Seed of the turbulence and the pair selection of a scenario")
       ->check(WholeNumber(0))

@@ -58,10 +58,13 @@ Eigen::VectorXd MinimalDetectableBiases(const Hypothesis& hypothesis, const Join
 }
 
 std::vector<UndetectableEffect> FindUndetectable(const Library& library, const JointScore& score,
-                                                 const TestFamily& family) {
+                                                 const TestFamily& family,
+                                                 const UnmodelledPrior& prior) {
   std::vector<UndetectableEffect> found;
   for (const Hypothesis& hypothesis : library.hypotheses) {
     if (!hypothesis.id) continue;
+    const bool fixed = EffectRow(*hypothesis.id).fixed();
+    if (fixed && !prior.Sigma(*hypothesis.id).isZero(0.0)) continue;
     std::optional<UndetectableEffect> worst = WorstComponent(hypothesis, score, family);
     if (!worst) continue;
     const auto same = std::find_if(found.begin(), found.end(), [&](const auto& other) {

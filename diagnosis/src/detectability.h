@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/adjustment/checks.h>
+#include <dn/effects/unmodelled_prior.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>
@@ -24,9 +25,11 @@ Eigen::VectorXd MinimalDetectableBiases(const Hypothesis& hypothesis, const Join
 
 /// Returns the undetectable effects: they would be harmful at their typical size, but are below
 /// their minimal detectable bias. The largest shift comes first; among hypotheses of one name only
-/// the one with the largest shift counts. `score` is that of the library, with the watched unknowns
+/// the one with the largest shift counts. Effects with a prior are in the covariance and left out.
+/// `score` is that of the library, with the watched unknowns
 /// of the family in its shift.
 std::vector<UndetectableEffect> FindUndetectable(const Library& library, const JointScore& score,
-                                                 const TestFamily& family);
+                                                 const TestFamily& family,
+                                                 const UnmodelledPrior& prior);
 
 }  // namespace dn::diagnosis_internal

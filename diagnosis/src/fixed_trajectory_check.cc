@@ -72,6 +72,7 @@ ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calib
   check.groups.push_back(MakeGroupCheck("lidar p2p", 3 * calibration.figures.correspondences,
                                         calibration.figures, calibration.scatter));
   if (const auto prior = CheckStatedPrior(calibration)) check.priors.push_back(*prior);
+  check.unmodelled = found.unmodelled;
   check.effects = found.effects;
   check.discrepancies = found.discrepancies;
   check.groups.front().ratio_with_effects *= found.share_left;

@@ -13,6 +13,7 @@
 #include "linear_pairs.h"
 #include "score_selection.h"
 #include "time_correlated_errors.h"
+#include "unmodelled.h"
 
 namespace dn::diagnosis_internal {
 namespace {
@@ -121,13 +122,27 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
                                         library.blocks);
   ScaleSearch search(errors, library, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();
-  const TestFamily family{static_cast<double>(library.hypotheses.size()),
-                          SigmaWithoutEffects(errors, scale, calibration), true};
-  const ScoreSelection selection = SelectByScores(library, search.score(), family);
+  TestFamily family{static_cast<double>(library.hypotheses.size()),
+                    SigmaWithoutEffects(errors, scale, calibration), true};
+  const UnmodelledPrior prior = MakeUnmodelledPrior(flight.config);
+  const UnmodelledUnknowns unmodelled(library, prior, search.score());
   GaussHelmertEffects out;
+  if (!unmodelled.empty()) {
+    UnmodelledEffects& effects = out.unmodelled.emplace();
+    effects.boresight_rad = unmodelled.Correction();
+    effects.covariance_rad2 = unmodelled.AddedCovariance();
+    effects.contributions = unmodelled.Contributions({0});
+    family.watched_sigma =
+        (family.watched_sigma.cwiseAbs2() + effects.covariance_rad2.diagonal()).cwiseSqrt();
+  }
+  const ScoreSelection selection = SelectByScores(library, unmodelled.Conditioned(), family);
   out.effects = selection.effects;
+  for (std::size_t k = 0; k < out.effects.size(); ++k) {
+    out.effects[k].prior_sigmas = InPriorSigmas(prior, selection.chosen[k]);
+  }
   out.discrepancies = CheckDiscrepancies(library, selection.left, kNoExcess, family);
-  if (!selection.chosen.empty()) out.share_left = errors.ResidualShare(selection.joint);
+  const Eigen::VectorXd present = unmodelled.EstimateBeside(selection.joint) + selection.joint;
+  if (!present.isZero(0.0)) out.share_left = errors.ResidualShare(present);
   return out;
 }
 

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/diagnosis/model_check.h>
 
+#include <optional>
 #include <vector>
 
 namespace dn::diagnosis_internal {
 
 /// Effects and unmodelled discrepancies that the pairs of a Gauss-Helmert calibration show.
 struct GaussHelmertEffects {
+  /// Effects of the lidar that the model leaves out; absent if their prior rules them out.
+  std::optional<UnmodelledEffects> unmodelled;
   std::vector<EffectCheck> effects;
   std::vector<DiscrepancyCheck> discrepancies;
   /// Share of the misclosures' sum of squares that remains if `effects` are estimated.

@@ -20,7 +20,9 @@
 #include "discrepancies.h"
 #include "model_findings.h"
 #include "network_hypotheses.h"
+#include "node_changes.h"
 #include "score_selection.h"
+#include "unmodelled.h"
 
 namespace dn {
 namespace diagnosis_internal {
@@ -54,18 +56,25 @@ class Checker {
         trajectory_(trajectory),
         gnss_clock_(adjustment.gnss_clock),
         linearized_(marginals.linearized()),
+        prior_(MakeUnmodelledPrior(network_.flight().config)),
         threads_(threads) {}
 
   ModelCheck Run() {
     auto sums = Beside(threads_, [&] { FormSums(); });
     library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
     Watch();
-    JointScore score = ScoreHypotheses();
+    const JointScore score = ScoreHypotheses();
     sums.get();
     family_.tests = static_cast<double>(forms_.size() + library_.hypotheses.size());
     CheckPriors();
-    FindEffects(std::move(score));
-    const Eigen::VectorXd left = ResidualWithEffects();
+    const UnmodelledUnknowns unmodelled(library_, prior_, score);
+    FindCompeting(score);
+    FindClocks(score);
+    TakeUnmodelled(unmodelled);
+    FindEffects(unmodelled.Conditioned());
+    residual_ = ResidualWith(unmodelled.estimate());
+    const Eigen::VectorXd left =
+        ResidualWith(unmodelled.EstimateBeside(selection_.joint) + selection_.joint);
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
@@ -129,7 +138,7 @@ class Checker {
   void CheckGroups(const Eigen::VectorXd& with_effects) {
     for (std::size_t g = 0; g < num_channels_; ++g) {
       const ChannelFit fit =
-          TestChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
+          TestChannel(linearized_, residual_, forms_[g], moments_[g], trajectory_.redundancy);
       GroupCheck group;
       group.name = fit.name;
       group.observations = fit.observations;
@@ -150,7 +159,7 @@ class Checker {
       CommonErrorCheck common;
       common.name = forms_[c].name;
       common.group = forms_[c].channel;
-      const double energy = forms_[c].Energy(linearized_.residual());
+      const double energy = forms_[c].Energy(residual_);
       common.ratio = energy / std::max(moments.mean, 1e-300);
       common.p_value = family_.FamilyWise(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
@@ -172,7 +181,7 @@ class Checker {
 
   /// Returns the label whose residuals agree most in their sign.
   std::string WorstLabel(const ResidualForm& form) const {
-    const Eigen::VectorXd sum = form.SumByLabel(linearized_.residual());
+    const Eigen::VectorXd sum = form.SumByLabel(residual_);
     const Eigen::VectorXd count =
         form.SumByLabel(Eigen::VectorXd::Ones(linearized_.rows())).cwiseSqrt();
     Eigen::Index worst = 0;
@@ -188,14 +197,55 @@ class Checker {
     return ScoreEffects(marginals_, library_.blocks, shifted);
   }
 
-  void FindEffects(JointScore score) {
+  void FindCompeting(const JointScore& score) {
     check_.competing_effects = FindCompetingEffects(network_, marginals_, library_, score, watched_,
                                                     EffectUnknowns(network_), family_);
+  }
+
+  /// Takes what unmodelled effects change: from here on, the watched sigmas contain it.
+  void TakeUnmodelled(const UnmodelledUnknowns& unmodelled) {
+    if (unmodelled.empty()) return;
+    const Eigen::VectorXd change = unmodelled.Correction();
+    const Eigen::MatrixXd added = unmodelled.AddedCovariance();
+    const Eigen::Index watched = family_.watched_sigma.size();
+    family_.watched_sigma =
+        (family_.watched_sigma.cwiseAbs2() + added.diagonal().head(watched)).cwiseSqrt();
+    UnmodelledEffects& effects = check_.unmodelled.emplace();
+    effects.nodes = NodeChanges(network_, marginals_, library_, unmodelled);
+    effects.contributions = unmodelled.Contributions(AngleRows());
+    if (family_.of_boresight) {
+      effects.boresight_rad = change.head<3>();
+      effects.covariance_rad2 = added.topLeftCorner<3, 3>();
+    }
+    Eigen::Index row = watched;
+    for (const BlockId unknown : EffectUnknowns(network_)) {
+      const BlockRecord& block = network_.net().block(unknown);
+      const Eigen::Index size = block.kind.tangent_size;
+      effects.unknowns.push_back(
+          {block.name, change.segment(row, size), added.diagonal().segment(row, size)});
+      row += size;
+    }
+  }
+
+  /// Returns the first rows of the watched rotations in the shift of a score.
+  std::vector<Eigen::Index> AngleRows() const {
+    std::vector<Eigen::Index> rows;
+    const std::size_t step = family_.of_boresight ? 1 : 2;  // else rotation, position
+    for (std::size_t k = 0; k < watched_.size(); k += step) {
+      rows.push_back(3 * static_cast<Eigen::Index>(k));
+    }
+    return rows;
+  }
+
+  /// `score`: that of the model with the unmodelled effects.
+  void FindEffects(JointScore score) {
     score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
-    check_.undetectable = FindUndetectable(library_, score, family_);
-    FindClocks(score);
+    for (std::size_t k = 0; k < check_.effects.size(); ++k) {
+      check_.effects[k].prior_sigmas = InPriorSigmas(prior_, selection_.chosen[k]);
+    }
+    check_.undetectable = FindUndetectable(library_, score, family_, prior_);
   }
 
   /// Returns the noise variance of the pairs, after the found effects, over the stated one; at
@@ -222,7 +272,7 @@ class Checker {
     Eigen::VectorXd move = Eigen::VectorXd::Zero(family_.watched_sigma.size());
     const auto add = [&](EffectId effect, double change) {
       for (const Eigen::Index c : FindComponents(effect, score))
-        move += change * score.shift.col(c);
+        move += change * score.shift.col(c).head(move.size());
     };
     add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
     add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
@@ -266,16 +316,21 @@ class Checker {
     return clock;
   }
 
-  /// Returns the residuals as they would be if the found effects were estimated.
-  Eigen::VectorXd ResidualWithEffects() const {
-    if (selection_.chosen.empty()) return linearized_.residual();
+  /// Returns the residuals as they would be if effects of this size were in the model; SI, one value
+  /// per component of the score.
+  Eigen::VectorXd ResidualWith(const Eigen::VectorXd& effects) const {
+    if (effects.isZero(0.0)) return linearized_.residual();
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
-    for (const HypothesisEvidence& effect : selection_.chosen) {
-      for (const EffectPart& part : library_.blocks[effect.block]) {
+    Eigen::Index first = 0;
+    for (const EffectModel& block : library_.blocks) {
+      const Eigen::Index size = block.empty() ? 0 : block.front().L.cols();
+      const Eigen::VectorXd value = effects.segment(first, size);
+      first += size;
+      if (value.isZero(0.0)) continue;
+      for (const EffectPart& part : block) {
         const auto rows = linearized_.FindRows(part.factor);
         if (!rows) continue;
-        added.segment(rows->first, rows->count) +=
-            std::sqrt(rows->weight) * part.L * effect.estimate;
+        added.segment(rows->first, rows->count) += std::sqrt(rows->weight) * part.L * value;
       }
     }
     return linearized_.residual() + marginals_.Project(added);
@@ -300,6 +355,7 @@ class Checker {
   const TrajectoryResult& trajectory_;
   const std::optional<ClockEstimate>& gnss_clock_;  // from the INS/GNSS solution
   const LinearizedNetwork& linearized_;
+  UnmodelledPrior prior_;
   int threads_;
   std::vector<ResidualForm> forms_;  // forms of the channels, then of common errors
   std::size_t num_channels_ = 0;
@@ -308,6 +364,7 @@ class Checker {
   TestFamily family_;
   Eigen::MatrixXd gain_;  // rows x watched coordinates
   std::vector<FormMoments> moments_;
+  Eigen::VectorXd residual_;  // with the unmodelled effects
   ScoreSelection selection_;
   ModelCheck check_;
 };

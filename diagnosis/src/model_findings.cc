@@ -18,6 +18,8 @@ namespace {
 
 // The covariance of the boresight does not cover an error above this many of its sigmas.
 constexpr double kMaxShiftInSigmas = 1.0;
+// An effect beyond this many standard deviations of its prior is a fault, not a tolerance.
+constexpr double kFaultPriorSigmas = 4.0;
 constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
@@ -49,8 +51,9 @@ class Findings {
       const bool of_clock = IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
                             IsEffect(effect.name, EffectId::kGnssTimeDrift);
       if (told && of_clock) continue;
+      const bool fault = effect.prior_sigmas.value_or(kConclusive) > kFaultPriorSigmas;
       Add(facts::EffectPresent{effect, check_.of_boresight},
-          effect.max_shift_sigmas > kMaxShiftInSigmas, effect.log_evidence);
+          fault && effect.max_shift_sigmas > kMaxShiftInSigmas, effect.log_evidence);
     }
   }
 
@@ -234,7 +237,20 @@ bool Holds(const ModelCheck& check) {
 
 }  // namespace
 
+void AddUnmodelled(const UnmodelledEffects& effects, BoresightResult* boresight) {
+  boresight->as_modelled = {boresight->angles_rad, boresight->covariance_rad2};
+  const Eigen::Quaterniond q = Exp(effects.boresight_rad) * Exp(boresight->angles_rad);
+  boresight->angles_rad = Log(q);
+  boresight->euler_zyx_rad = RollPitchHeading(q);
+  boresight->covariance_rad2 += effects.covariance_rad2;
+  boresight->contributions = effects.contributions;
+  if (boresight->verdict == Verdict::kCalibrated) {
+    AssessLargestSigma(boresight->sigma_rad(), boresight);
+  }
+}
+
 void Assess(const ModelCheck& check, BoresightResult* boresight) {
+  if (check.unmodelled) AddUnmodelled(*check.unmodelled, boresight);
   if (Holds<facts::VectorsAssumed>(check) && boresight->verdict == Verdict::kCalibrated) {
     boresight->verdict = Verdict::kAbsorbed;
   }

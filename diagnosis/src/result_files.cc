@@ -36,6 +36,38 @@ Json SigmaJson(const std::optional<Eigen::Vector3d>& sigma_rad) {
   return sigma_rad ? ToJson(*sigma_rad * kDegPerRad) : Json(nullptr);
 }
 
+Json ContributionJson(const EffectContribution& part) {
+  return {{"effect", part.effect},
+          {"unit", part.unit},
+          {"estimate", ToJson(part.estimate)},
+          {"sigma", ToJson(part.sigma)},
+          {"prior", ToJson(part.prior)},
+          {"sigma_deg", ToJson(part.angle_sigma_rad * kDegPerRad)}};
+}
+
+Json ContributionsJson(const std::vector<EffectContribution>& parts) {
+  Json list = Json::array();
+  for (const EffectContribution& part : parts) list.push_back(ContributionJson(part));
+  return list;
+}
+
+/// Returns sigmas, covariance and correlation of the pure model.
+Json ModelledSigmaJson(const BoresightResult& boresight) {
+  const ModelledBoresight modelled = boresight.as_modelled.value_or(
+      ModelledBoresight{boresight.angles_rad, boresight.covariance_rad2});
+  return {{"sigma_deg", ToJson(modelled.sigma_rad() * kDegPerRad)},
+          {"covariance_deg2", ToJsonMatrix(modelled.covariance_rad2 * kDegPerRad * kDegPerRad)},
+          {"correlation", ToJsonMatrix(modelled.correlation())}};
+}
+
+Json ModelledJson(const BoresightResult& boresight) {
+  Json json = ModelledSigmaJson(boresight);
+  const Eigen::Vector3d angles_rad =
+      boresight.as_modelled ? boresight.as_modelled->angles_rad : boresight.angles_rad;
+  json["angles_deg"] = ToJson(angles_rad * kDegPerRad);
+  return json;
+}
+
 void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vector3d> columns) {
   *text += FormatDouble(t_s);
   for (const Eigen::Vector3d& column : columns) {
@@ -72,7 +104,9 @@ Json BoresightJson(const BoresightResult& boresight) {
           {"covariance_deg2", ToJsonMatrix(boresight.covariance_rad2 * kDegPerRad * kDegPerRad)},
           {"correlation", ToJsonMatrix(boresight.correlation())},
           {"sigma_apriori_deg", SigmaJson(boresight.sigma_apriori_rad)},
-          {"sigma_scaled_deg", SigmaJson(boresight.sigma_scaled_rad)}};
+          {"sigma_scaled_deg", SigmaJson(boresight.sigma_scaled_rad)},
+          {"as_modelled", ModelledJson(boresight)},
+          {"contributions", ContributionsJson(boresight.contributions)}};
 }
 
 Json AssessmentJson(const BoresightResult& boresight) {
@@ -80,6 +114,14 @@ Json AssessmentJson(const BoresightResult& boresight) {
 }
 
 }  // namespace diagnosis_internal
+
+Json PredictedBoresightJson(const BoresightResult& boresight) {
+  return {{"sigma_deg", ToJson(boresight.sigma_rad() * kDegPerRad)},
+          {"covariance_deg2", ToJsonMatrix(boresight.covariance_rad2 * kDegPerRad * kDegPerRad)},
+          {"correlation", ToJsonMatrix(boresight.correlation())},
+          {"as_modelled", ModelledSigmaJson(boresight)},
+          {"contributions", ContributionsJson(boresight.contributions)}};
+}
 
 Json AdjustmentJson(const AdjustmentFigures& figures) {
   return {{"sigma0", figures.sigma0},
@@ -214,14 +256,18 @@ Json ComparisonJson(const std::string& flight,
 }
 
 Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
-                const ModelCheck& check, const std::vector<UnknownEstimate>& unknowns,
-                const RunTimings& timings) {
+                const std::vector<TrajectorySigma>& sigma, const ModelCheck& check,
+                const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings) {
   Json json;
   json["schema"] = "dn.smooth/1";
   json["flight"] = flight;
   json["assessment"] = {{"verdict", Word(check)}, {"reasons", Words(check.findings)}};
-  if (!trajectory.sigma.empty())
-    json["accuracy"] = AccuracyJson(SummariseAccuracy(trajectory.sigma));
+  if (!trajectory.sigma.empty()) {
+    json["accuracy"] = AccuracyJson(SummariseAccuracy(sigma));
+    json["accuracy_as_modelled"] = AccuracyJson(SummariseAccuracy(trajectory.sigma));
+  }
+  json["contributions"] = ContributionsJson(check.unmodelled ? check.unmodelled->contributions
+                                                             : std::vector<EffectContribution>{});
   json["adjustment"] = AdjustmentJson(trajectory.figures);
   json["innovations"] = StatisticsToJson(trajectory.innovations);
   if (!trajectory.innovations.empty()) {

@@ -70,6 +70,7 @@ class ScoreSelector {
     selection.Grow();
     out_.left = last_->score;
     out_.chosen = selection.Take().chosen;
+    out_.joint = Eigen::VectorXd::Zero(score_.s.size());
     if (!out_.chosen.empty()) EstimateTogether();
     return std::move(out_);
   }

@@ -1,6 +1,14 @@
+#include <dn/builder/node_grid.h>
 #include <dn/diagnosis/solution.h>
+#include <dn/effects/effect_table.h>
+#include <dn/rotation.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "network_hypotheses.h"
+#include "unmodelled.h"
 
 namespace dn {
 
@@ -33,12 +41,97 @@ BoresightResult Solution::CheckedBoresight() const {
   return boresight;
 }
 
+BoresightResult Solution::PredictedBoresight() const {
+  BoresightResult boresight = Boresight();
+  const UnmodelledPrior prior = MakeUnmodelledPrior(network().flight().config);
+  if (prior.pure()) return boresight;
+  const diagnosis_internal::Library library =
+      diagnosis_internal::MakeNetworkHypotheses(network(), threads_, {});
+  JointScore score =
+      ScoreEffects(marginals_, library.blocks, {network().calibration().boresight().id});
+  score.s.setZero();
+  const diagnosis_internal::UnmodelledUnknowns unknowns(library, prior, score);
+  if (unknowns.empty()) return boresight;
+  UnmodelledEffects effects;
+  effects.covariance_rad2 = unknowns.AddedCovariance();
+  effects.contributions = unknowns.Contributions({0});
+  AddUnmodelled(effects, &boresight);
+  return boresight;
+}
+
 std::vector<UnknownEstimate> Solution::Unknowns() const {
   return ExtractUnknowns(adjustment_, marginals_);
 }
 
+std::vector<UnknownEstimate> Solution::CheckedUnknowns() const {
+  std::vector<UnknownEstimate> unknowns = Unknowns();
+  if (!model_check().unmodelled) return unknowns;
+  for (const UnmodelledEffects::UnknownChange& change : model_check().unmodelled->unknowns) {
+    const auto at = std::find_if(unknowns.begin(), unknowns.end(),
+                                 [&](const auto& unknown) { return unknown.name == change.name; });
+    if (at == unknowns.end()) continue;
+    const double per_si = 1.0 / EffectRow(FindEffect(change.name)->id).components.front().to_si;
+    for (std::size_t k = 0; k < at->value.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      at->value[k] += per_si * change.value[row];
+      at->sigma[k] = std::hypot(at->sigma[k], per_si * std::sqrt(change.variance[row]));
+    }
+  }
+  return unknowns;
+}
+
+std::vector<TrajectorySigma> Solution::CheckedSigmas() const {
+  std::vector<TrajectorySigma> sigma = trajectory().sigma;
+  if (!model_check().unmodelled) return sigma;
+  const auto add = [](Eigen::Vector3d* one, const Eigen::Vector3d& variance) {
+    *one = (one->cwiseAbs2() + variance).cwiseSqrt();
+  };
+  for (std::size_t k = 0; k < sigma.size(); ++k) {
+    const NodeChange& change = model_check().unmodelled->nodes[k];
+    add(&sigma[k].position_enu_m, change.position_variance_enu_m2);
+    add(&sigma[k].velocity_enu_mps, change.velocity_variance_enu);
+    add(&sigma[k].rph_rad, change.rph_variance_rad2);
+  }
+  return sigma;
+}
+
+std::vector<NavPoint> Solution::CheckedTrajectory(std::vector<NavPoint> points) const {
+  if (!model_check().unmodelled) return points;
+  const std::vector<NodeChange>& nodes = model_check().unmodelled->nodes;
+  const LocalFrame& frame = network().flight().frame;
+  std::size_t after = 1;
+  for (NavPoint& point : points) {
+    while (after + 1 < nodes.size() && nodes[after].t_s < point.t_s) ++after;
+    const NodeChange& a = nodes[after - 1];
+    const NodeChange& b = nodes[after];
+    const double share = std::clamp((point.t_s - a.t_s) / (b.t_s - a.t_s), 0.0, 1.0);
+    const auto between = [&](Eigen::Vector3d NodeChange::*part) {
+      return Eigen::Vector3d((1.0 - share) * a.*part + share * b.*part);
+    };
+    MapPose pose = ToMapPose(point, frame);
+    pose.p_mb += between(&NodeChange::position_m);
+    pose.v_m += between(&NodeChange::velocity_mps);
+    pose.q_mb = pose.q_mb * Exp(between(&NodeChange::attitude_rad));
+    const NavPoint moved = ToNavPoint(pose, frame);
+    point.position = moved.position;
+    point.q_nb = moved.q_nb;
+    point.v_ned_mps = moved.v_ned_mps;
+  }
+  return points;
+}
+
 TrajectoryCovariance Solution::PoseCovariance(const std::vector<StripInterval>& strips) const {
-  return ExtractTrajectoryCovariance(adjustment_, marginals_, strips);
+  TrajectoryCovariance poses = ExtractTrajectoryCovariance(adjustment_, marginals_, strips);
+  if (!model_check().unmodelled || poses.t_s.empty()) return poses;
+  Eigen::MatrixXd root(poses.covariance.rows(),
+                       model_check().unmodelled->nodes.front().pose_root.cols());
+  for (std::size_t k = 0; k < poses.t_s.size(); ++k) {
+    const std::size_t node = NodeNear(network().trajectory().node_times(), poses.t_s[k]);
+    root.middleRows<6>(6 * static_cast<Eigen::Index>(k)) =
+        model_check().unmodelled->nodes[node].pose_root;
+  }
+  poses.covariance += root * root.transpose();
+  return poses;
 }
 
 }  // namespace dn

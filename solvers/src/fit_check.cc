@@ -22,13 +22,13 @@ void RequireProbability(const char* option, double value) {
 
 /// Returns the row with the largest |w| among the rows accepted by `wanted`.
 template <class Wanted>
-RowFit Worst(const LinearizedNetwork& linearized, const Eigen::VectorXd& redundancy,
-             const Wanted& wanted) {
+RowFit Worst(const LinearizedNetwork& linearized, const Eigen::VectorXd& residual,
+             const Eigen::VectorXd& redundancy, const Wanted& wanted) {
   Eigen::Index worst_row = -1;
   double worst = 0.0;
   for (Eigen::Index row = 0; row < redundancy.size(); ++row) {
     if (redundancy[row] <= kFittedAway || !wanted(row)) continue;
-    const double w = linearized.residual()[row] / std::sqrt(redundancy[row]);
+    const double w = residual[row] / std::sqrt(redundancy[row]);
     if (std::abs(w) <= std::abs(worst)) continue;
     worst = w;
     worst_row = row;
@@ -63,9 +63,9 @@ double OutlierTest::MinimalDetectableBias(double redundancy) const {
   return NonCentrality() / std::sqrt(redundancy);
 }
 
-ChannelFit TestChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
-                       const FormMoments& moments, const Eigen::VectorXd& redundancy,
-                       const OutlierTest& test) {
+ChannelFit TestChannel(const LinearizedNetwork& linearized, const Eigen::VectorXd& residual,
+                       const ResidualForm& form, const FormMoments& moments,
+                       const Eigen::VectorXd& redundancy, const OutlierTest& test) {
   const auto takes_part = [&](Eigen::Index row) {
     return form.label[static_cast<std::size_t>(row)] >= 0;
   };
@@ -76,11 +76,11 @@ ChannelFit TestChannel(const LinearizedNetwork& linearized, const ResidualForm& 
     ++fit.observations;
     fit.redundancy += redundancy[row];
   }
-  const double energy = form.Energy(linearized.residual());
+  const double energy = form.Energy(residual);
   fit.variance_ratio = energy / std::max(fit.redundancy, kLeastRedundancy);
   const FormMoments exact_mean{fit.redundancy, moments.variance, moments.samples};
   fit.p_value = TwoSided(exact_mean.UpperTail(energy), exact_mean.LowerTail(energy));
-  fit.worst = Worst(linearized, redundancy, takes_part);
+  fit.worst = Worst(linearized, residual, redundancy, takes_part);
   fit.minimal_detectable = MedianDetectable(form, redundancy, test);
   return fit;
 }
@@ -99,9 +99,11 @@ FitCheck CheckFit(const Marginals& marginals, const OutlierTest& test) {
   const std::vector<ResidualForm> forms = ChannelForms(linearized);
   const std::vector<FormMoments> moments = ComputeFormMoments(marginals, forms);
   for (std::size_t i = 0; i < forms.size(); ++i) {
-    check.channels.push_back(TestChannel(linearized, forms[i], moments[i], redundancy, test));
+    check.channels.push_back(
+        TestChannel(linearized, linearized.residual(), forms[i], moments[i], redundancy, test));
   }
-  check.worst = Worst(linearized, redundancy, [](Eigen::Index) { return true; });
+  check.worst =
+      Worst(linearized, linearized.residual(), redundancy, [](Eigen::Index) { return true; });
   const double w = check.worst.standardised;
   if (w != 0.0) {
     check.worst_p_value =

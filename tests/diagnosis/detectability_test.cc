@@ -38,7 +38,7 @@ struct OneComponentEach {
   }
 
   std::vector<UndetectableEffect> Find() const {
-    return FindUndetectable(library, score, TestFamily{1.0, Eigen::Vector3d::Ones(), true});
+    return FindUndetectable(library, score, TestFamily{1.0, Eigen::Vector3d::Ones(), true}, {});
   }
 };
 

@@ -19,25 +19,14 @@ namespace dn {
 namespace {
 
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
-  const LocalFrame& frame = network.flight().frame;
   const NodeBlocks& node = network.nodes()[k];
-  const MapPose pose = network.trajectory().NodePose(k);
-  const Eigen::Matrix3d R_enu_m = frame.R_m_enu(pose.p_mb).transpose();
-  const auto sigma = [](const Eigen::Matrix3d& covariance) {
+  const NodeAxes axes = FindNodeAxes(network, k);
+  const auto sigma = [&](const Eigen::Matrix3d& turn, BlockId block) {
+    const Eigen::Matrix3d covariance = turn * marginals.DiagonalBlock(block) * turn.transpose();
     return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
   };
-  const Eigen::Matrix3d rph_from_body =
-      BodyFromEulerRates(ToNavPoint(pose, frame).q_nb.conjugate() * Eigen::Vector3d::UnitZ())
-          .inverse();
-  TrajectorySigma result;
-  result.t_s = node.t_s;
-  result.position_enu_m =
-      sigma(R_enu_m * marginals.DiagonalBlock(node.p_mb.id) * R_enu_m.transpose());
-  result.velocity_enu_mps =
-      sigma(R_enu_m * marginals.DiagonalBlock(node.v_m.id) * R_enu_m.transpose());
-  result.rph_rad =
-      sigma(rph_from_body * marginals.DiagonalBlock(node.q_mb.id) * rph_from_body.transpose());
-  return result;
+  return {node.t_s, sigma(axes.R_enu_m, node.p_mb.id), sigma(axes.R_enu_m, node.v_m.id),
+          sigma(axes.rph_from_body, node.q_mb.id)};
 }
 
 // Adds the innovations of a forward filter that starts at the adjusted trajectory with a diffuse
@@ -141,6 +130,10 @@ Eigen::Matrix3d TotalBiasCovariance(const std::vector<ProcessChain>& chains, dou
 }
 
 Eigen::Matrix3d BoresightResult::correlation() const {
+  return ModelledBoresight{angles_rad, covariance_rad2}.correlation();
+}
+
+Eigen::Matrix3d ModelledBoresight::correlation() const {
   const Eigen::Vector3d inverse = sigma_rad().cwiseMax(1e-300).cwiseInverse();
   return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
 }
@@ -186,6 +179,14 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
     result->reasons.push_back({facts::SigmaAbovePairs{i}});
   }
   if (result->verdict == Verdict::kCalibrated) AssessLargestSigma(sigma_rad, result);
+}
+
+NodeAxes FindNodeAxes(const FlightNetwork& network, std::size_t node) {
+  const LocalFrame& frame = network.flight().frame;
+  const MapPose pose = network.trajectory().NodePose(node);
+  const Eigen::Vector3d down_b =
+      ToNavPoint(pose, frame).q_nb.conjugate() * Eigen::Vector3d::UnitZ();
+  return {frame.R_m_enu(pose.p_mb).transpose(), BodyFromEulerRates(down_b).inverse()};
 }
 
 std::vector<TrajectorySigma> TrajectorySigmas(const FlightNetwork& network,

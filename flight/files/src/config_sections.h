@@ -35,6 +35,13 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
+/// Reads the sigmas of an effect: one number for all components, or one for each. `read` is the
+/// conversion of a number.
+std::vector<double> ReadEffectSigma(const YamlValue& value, const EffectSpec& effect,
+                                    double (YamlValue::*read)() const);
+/// Returns these sigmas in SI, one for each component.
+Eigen::VectorXd EffectSigmaInSi(const EffectSpec& effect, const std::vector<double>& sigma);
+UnmodelledConfig ReadUnmodelled(const YamlValue& section);
 
 /// Reads a rotation matrix and makes it orthonormal. Throws InvalidConfig if the matrix is not a
 /// rotation.

@@ -39,18 +39,6 @@ void ReadWord(const YamlValue& item, EstimateEntry* entry) {
   }
 }
 
-std::vector<double> ReadSigma(const YamlValue& value, const EffectSpec& effect) {
-  std::vector<double> sigma;
-  for (const YamlValue& item : value.Items()) sigma.push_back(item.Positive());
-  const std::size_t count = effect.components.size();
-  if (sigma.size() != 1 && sigma.size() != count) {
-    value.Fail("'" + effect.name + "' takes one number" +
-               (count == 1 ? "" : " or " + std::to_string(count)) + ", in " +
-               effect.components.front().unit);
-  }
-  return sigma;
-}
-
 void ReadMap(const YamlValue& item, EstimateEntry* entry) {
   item.ExpectMap({"unknown", "sigma", "window_s", "t0_s"});
   entry->unknown = item["unknown"].Name();
@@ -65,10 +53,28 @@ void ReadMap(const YamlValue& item, EstimateEntry* entry) {
   }
   const EffectSpec& effect = FixedEffect(item["unknown"], entry->unknown);
   entry->times = ReadEffectTimes(item, effect);
-  if (item["sigma"]) entry->sigma = ReadSigma(item["sigma"], effect);
+  if (item["sigma"]) entry->sigma = ReadEffectSigma(item["sigma"], effect, &YamlValue::Positive);
 }
 
 }  // namespace
+
+std::vector<double> ReadEffectSigma(const YamlValue& value, const EffectSpec& effect,
+                                    double (YamlValue::*read)() const) {
+  std::vector<double> sigma;
+  for (const YamlValue& item : value.Items()) sigma.push_back((item.*read)());
+  const std::size_t count = effect.components.size();
+  if (sigma.size() != 1 && sigma.size() != count) {
+    value.Fail("'" + effect.name + "' takes one number" +
+               (count == 1 ? "" : " or " + std::to_string(count)) + ", in " +
+               effect.components.front().unit);
+  }
+  return sigma;
+}
+
+Eigen::VectorXd EffectSigmaInSi(const EffectSpec& effect, const std::vector<double>& sigma) {
+  const std::size_t count = effect.components.size();
+  return ValueInSi(effect, sigma.size() == 1 ? std::vector<double>(count, sigma.front()) : sigma);
+}
 
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
   std::vector<EstimateEntry> entries;
@@ -99,8 +105,7 @@ std::optional<Eigen::VectorXd> PriorSigma(const EstimateEntry& entry) {
                            std::to_string(count) + " components of '" + entry.unknown + "'",
                        entry.where);
   }
-  const bool one = entry.sigma.size() == 1;
-  return ValueInSi(*effect, one ? std::vector<double>(count, entry.sigma.front()) : entry.sigma);
+  return files_internal::EffectSigmaInSi(*effect, entry.sigma);
 }
 
 }  // namespace dn

@@ -134,7 +134,7 @@ std::string FolderName(const fs::path& folder) {
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
   root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
-                  "imu", "gnss", "lidar", "trajectory", "gh", "estimate", "network",
+                  "imu", "gnss", "lidar", "trajectory", "gh", "unmodelled", "estimate", "network",
                   "unexplained"});
   FlightConfig config;
   config.file = file;
@@ -145,6 +145,9 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   if (root["strips_crs"]) config.strips_crs = ReadCrs(root["strips_crs"]);
   ReadSensors(root, config);
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
+  if (root["unmodelled"]) {
+    config.unmodelled = files_internal::ReadUnmodelled(root["unmodelled"]);
+  }
   if (root["estimate"]) config.estimate = files_internal::ReadEstimate(root["estimate"]);
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);

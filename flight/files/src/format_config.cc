@@ -195,6 +195,22 @@ void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
   out.Key(0, "estimate", "[" + text + "]");
 }
 
+void WriteUnmodelled(const UnmodelledConfig& unmodelled, Writer& out) {
+  if (unmodelled.none) {
+    out.Key(0, "unmodelled", "none");
+    return;
+  }
+  std::string text;
+  for (const auto& [effect, sigma] : unmodelled.sigma) {
+    if (!text.empty()) text += ", ";
+    text += EffectName(effect) + ": ";
+    text += sigma.size() == 1 ? Number(sigma.front())
+                              : List(Eigen::Map<const Eigen::VectorXd>(
+                                    sigma.data(), static_cast<Eigen::Index>(sigma.size())));
+  }
+  out.Key(0, "unmodelled", "{" + text + "}");
+}
+
 void WriteBegin(const FlightConfig& config, Writer& out) {
   if (config.body_is_flu) {
     out.Line(0,
@@ -249,6 +265,7 @@ void WriteRest(const FlightConfig& config, Writer& out) {
   out.Key(0, "gh",
           "{rotation: " + FindWord(config.gh.exponential, files_internal::GhRotationWords()) +
               ", libor_compat: " + Boolean(config.gh.libor_compat) + "}");
+  WriteUnmodelled(config.unmodelled, out);
   WriteEstimate(config.estimate, out);
   out.Key(0, "network",
           "{inertial: " + FindWord(config.network.inertial, files_internal::InertialWords()) +

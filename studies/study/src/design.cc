@@ -144,12 +144,27 @@ std::vector<EstimateEntry> ParseEstimate(const std::string& list) {
   }
 }
 
+namespace {
+
+void StateUnmodelled(const DesignOptions& options, Flight* flight) {
+  if (options.unmodelled.empty()) return;
+  try {
+    flight->config.unmodelled =
+        ParseFlightConfig("name: study\nunmodelled: " + options.unmodelled + "\n", {}).unmodelled;
+  } catch (const InvalidConfig& error) {
+    throw InvalidConfig("unmodelled " + options.unmodelled + ": " + error.what());
+  }
+}
+
+}  // namespace
+
 StudyDesign MakeDesign(const Scenario& scenario, const DesignOptions& options) {
   SimulatedFlight simulated = Fly(scenario, options);
   StudyDesign design;
   design.flight = std::move(simulated.flight);
   design.strips = std::move(simulated.strips);
   FreeUnknowns(options, &design.flight);
+  StateUnmodelled(options, &design.flight);
   LimitNodeRate(options.max_node_rate_hz, &design.flight);
   CalibrationState calibration = AssumedCalibration(design.flight);
   calibration.q_boresight = Exp(simulated.boresight_rad);
@@ -168,6 +183,7 @@ StudyDesign MakeDesign(Flight flight, const DesignOptions& options) {
   StudyDesign design;
   design.flight = std::move(flight);
   FreeUnknowns(options, &design.flight);
+  StateUnmodelled(options, &design.flight);
   design.strips = FindStrips(design.flight);
   PlaceStates(options, &design);
   PlanSensors(&design);

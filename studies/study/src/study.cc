@@ -66,7 +66,7 @@ StudyResult Study(const StudyDesign& design, const Solution& solution) {
   result.name = design.flight.config.name;
   result.source = design.source;
   result.geometry = ComputeGeometry(design);
-  result.boresight = solution.Boresight();
+  result.boresight = solution.PredictedBoresight();
   result.correlations = BiasCorrelationOverTime(
       network, marginals, marginals.SolveColumns({network.calibration().boresight().id}));
   result.trajectory = TrajectorySigmas(network, marginals);

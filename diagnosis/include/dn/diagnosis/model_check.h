@@ -8,13 +8,54 @@
 #include <dn/adjustment/result.h>
 #include <dn/solvers/marginals.h>
 
+#include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace dn {
 
+/// Change of a node of the trajectory by effects that the model leaves out.
+struct NodeChange {
+  double t_s = 0.0;
+  Eigen::Vector3d position_m;    ///< correction, map axes
+  Eigen::Vector3d velocity_mps;  ///< correction, map axes
+  Eigen::Vector3d attitude_rad;  ///< right rotation: q_mb' = q_mb Exp(attitude)
+  /// Variances added: east, north, up; roll, pitch, heading.
+  Eigen::Vector3d position_variance_enu_m2, velocity_variance_enu, rph_variance_rad2;
+  /// G with the joint covariance G_i G_j^T that is added to the poses of nodes i and j: position
+  /// east, north, up (m), attitude in body (rad).
+  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_root;
+};
+
+/// Effects that the model leaves out, as unknowns with their priors: the change of the results that
+/// this makes, to first order.
+///
+///   e = -(A + D^-1)^-1 s,   x' = x - S e,   C' = C + S (A + D^-1)^-1 S^T
+///
+/// s, A and S are the score, the information and the shift of the effects (JointScore), and D is
+/// their prior covariance (UnmodelledPrior).
+struct UnmodelledEffects {
+  /// Change of an estimated effect: the correction of its value, and the variance added, SI.
+  struct UnknownChange {
+    std::string name;
+    Eigen::VectorXd value, variance;
+  };
+
+  /// Left rotation of the boresight, and the covariance added; zero without boresight.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+  std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
+  std::vector<EffectContribution> contributions;  ///< the largest first
+  std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
+};
+
 /// Results of the tests of whether the data of an adjusted flight agree with the assumed model.
 struct ModelCheck {
   bool of_boresight = false;  ///< true: the watched unknowns are the boresight; otherwise poses
+  /// Effects that the model leaves out; absent if their prior rules all of them out. All tests are
+  /// those of the model with these effects as unknowns.
+  std::optional<UnmodelledEffects> unmodelled;
   std::vector<GroupCheck> groups;
   std::vector<CommonErrorCheck> common_errors;
   std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
@@ -98,7 +139,12 @@ ModelCheck AssessModel(const Flight& flight, PlaneCalibration* calibration);
 /// Returns "consistent" or "contradicted", for a trajectory without boresight.
 const char* Word(const ModelCheck& check);
 
-/// Adds the findings of the check to the reasons of a boresight, before the other reasons. A fact
+/// Takes the effects that the model leaves out into angles, covariance and contributions of a
+/// boresight of the pure model. Sets the verdict to not observable if AssessLargestSigma does.
+void AddUnmodelled(const UnmodelledEffects& effects, BoresightResult* boresight);
+
+/// Takes the unmodelled effects of the check into a boresight of the pure model (AddUnmodelled).
+/// Adds the findings of the check to the reasons of the boresight, before the other reasons. A fact
 /// of the check replaces reasons of the same type. Sets the verdict to contradicted if the check
 /// contradicts. Otherwise sets it to not observable if a competing effect of an estimated unknown
 /// shifts the boresight by more than its sigma.

@@ -51,10 +51,14 @@ Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
                     const std::vector<std::pair<std::string, std::string>>& absent);
 
+/// Returns the boresight of a design, without angles: sigmas, covariance and correlation, the same
+/// of the pure model, and the contributions of the effects that it leaves out.
+Json PredictedBoresightJson(const BoresightResult& boresight);
+
 /// Returns smooth.json of `dn smooth`, with the verdict `consistent` or `contradicted`.
 Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
-                const ModelCheck& check, const std::vector<UnknownEstimate>& unknowns,
-                const RunTimings& timings);
+                const std::vector<TrajectorySigma>& sigma, const ModelCheck& check,
+                const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
 
 /// Returns the correlation of the boresight with a bias as all result files contain it.
 Json CorrelationJson(const BiasCorrelation& correlation);

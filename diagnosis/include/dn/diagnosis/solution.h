@@ -41,17 +41,29 @@ class Solution {
   /// Returns the results of the tests of the assumed model.
   const ModelCheck& model_check() const;
 
-  /// Returns the boresight with the verdict of its geometry. Throws RankDeficient if it is
-  /// constant.
+  /// Returns the boresight of the pure model with the verdict of its geometry. Throws RankDeficient
+  /// if it is constant.
   BoresightResult Boresight() const;
-  /// Returns the boresight with the verdict and the findings of the model check (Assess).
+  /// Returns the boresight with the effects that the model leaves out in angles and covariance,
+  /// and with the verdict and the findings of the model check (Assess).
   BoresightResult CheckedBoresight() const;
+
+  /// Returns the angles of the pure model with the covariance that they have if the effects that
+  /// the model leaves out are estimated; uses no residuals. For designs without measured values.
+  BoresightResult PredictedBoresight() const;
 
   /// Returns the other estimated unknowns.
   std::vector<UnknownEstimate> Unknowns() const;
 
+  /// The functions below return results of the model with the effects that it leaves out
+  /// (UnmodelledEffects): the other estimated unknowns, the standard deviations at the nodes, and
+  /// the corrected points of a trajectory that DenseTrajectory returned for this network.
+  std::vector<UnknownEstimate> CheckedUnknowns() const;
+  std::vector<TrajectorySigma> CheckedSigmas() const;
+  std::vector<NavPoint> CheckedTrajectory(std::vector<NavPoint> points) const;
+
   /// Returns the joint covariance of poses on the strips, at the nodes chosen by
-  /// ExtractTrajectoryCovariance.
+  /// ExtractTrajectoryCovariance, with the effects that the model leaves out.
   TrajectoryCovariance PoseCovariance(const std::vector<StripInterval>& strips) const;
 
  private:

@@ -68,10 +68,11 @@ struct FitCheck {
 /// Throws InvalidInput if the selected inverse of `marginals` has not been computed.
 FitCheck CheckFit(const Marginals& marginals, const OutlierTest& test = {});
 
-/// Returns the test of one channel. `redundancy` contains the redundancy number of every row of the
+/// Returns the test of one channel for the residuals of the network, or for what they would be with
+/// further unknowns. `redundancy` contains the redundancy number of every row of the
 /// network (RedundancyNumbers). `moments` are those of `form`.
-ChannelFit TestChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
-                       const FormMoments& moments, const Eigen::VectorXd& redundancy,
-                       const OutlierTest& test = {});
+ChannelFit TestChannel(const LinearizedNetwork& linearized, const Eigen::VectorXd& residual,
+                       const ResidualForm& form, const FormMoments& moments,
+                       const Eigen::VectorXd& redundancy, const OutlierTest& test = {});
 
 }  // namespace dn

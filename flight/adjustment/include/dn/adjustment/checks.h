@@ -3,6 +3,7 @@
 #include <dn/eigen_alignment.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,9 @@ struct EffectCheck {
   Eigen::VectorXd sigma;
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< shift of the boresight
   double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
+  /// Largest estimate of a component in standard deviations of its prior; absent without a prior
+  /// (UnmodelledPrior).
+  std::optional<double> prior_sigmas;
   std::vector<std::string> inseparable_from;
 };
 

@@ -76,6 +76,27 @@ struct TrajectoryResult {
   std::vector<Finding> warnings;  ///< warnings from the statistics
 };
 
+/// The part that one effect outside of the model has in a result and its covariance.
+struct EffectContribution {
+  std::string effect;
+  std::string unit;
+  Eigen::VectorXd estimate;  ///< posterior mean of each component, in `unit`
+  Eigen::VectorXd sigma;     ///< posterior standard deviations
+  Eigen::VectorXd prior;     ///< prior standard deviations
+  /// Roots of the decrease of the variances of three angles if the effect were known exactly: those
+  /// of the boresight, or else the attitude about the body axes, root mean square along the flight.
+  Eigen::Vector3d angle_sigma_rad = Eigen::Vector3d::Zero();
+};
+
+/// Angles and covariance without the effects that the model leaves out.
+struct ModelledBoresight {
+  Eigen::Vector3d angles_rad = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+
+  Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
+  Eigen::Matrix3d correlation() const;
+};
+
 /// The boresight with its posterior covariance and its verdict.
 struct BoresightResult {
   /// Rotation vector about the body axes, total.
@@ -89,6 +110,9 @@ struct BoresightResult {
   /// methods whose reliable covariance is a different one.
   std::optional<Eigen::Vector3d> sigma_apriori_rad;
   std::optional<Eigen::Vector3d> sigma_scaled_rad;
+  /// Result of the pure model, if angles and covariance contain effects that it leaves out.
+  std::optional<ModelledBoresight> as_modelled;
+  std::vector<EffectContribution> contributions;  ///< of these effects, the largest first
   Verdict verdict = Verdict::kCalibrated;
   std::vector<Finding> reasons;  ///< the deciding ones first
 

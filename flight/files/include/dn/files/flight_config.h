@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/files/estimate.h>
+#include <dn/files/unmodelled.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/gnss/gnss_process.h>
@@ -119,6 +120,7 @@ struct FlightConfig {
   std::optional<TrajectoryConfig> trajectory;
   GhConfig gh;
   std::vector<EstimateEntry> estimate{{.unknown = "boresight"}};
+  UnmodelledConfig unmodelled;
   NetworkConfig network;
   /// A model deficiency that a diagnosis found and this configuration does not describe; empty if
   /// there is none.

@@ -30,6 +30,8 @@ struct DesignOptions {
   /// Unknowns estimated with the boresight: elements of `estimate` of flight.yaml, joined by
   /// commas. Empty: the boresight, and the unknowns in the flight's own `estimate`.
   std::string estimate;
+  /// Section `unmodelled` of flight.yaml as YAML. Empty: that of the flight.
+  std::string unmodelled;
   /// Upper limit of the rate of trajectory nodes within the strips of a scenario. Below
   /// network.node_rate_hz, sigmas are wrong by some percent (docs/validation/benchmarks.md).
   double max_node_rate_hz = std::numeric_limits<double>::infinity();

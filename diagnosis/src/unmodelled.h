@@ -1,0 +1,66 @@
+#pragma once
+
+#include <dn/diagnosis/model_check.h>
+#include <dn/effects/unmodelled_prior.h>
+#include <dn/solvers/score_test.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "hypothesis.h"
+#include "hypothesis_evidence.h"
+
+namespace dn::diagnosis_internal {
+
+/// The effects of a library that have a prior, as further unknowns of an adjustment: conditioning
+/// of its joint score, to first order. `library` must outlive the object.
+class UnmodelledUnknowns {
+ public:
+  /// `score` is that of the library without any of its effects in the model.
+  UnmodelledUnknowns(const Library& library, const UnmodelledPrior& prior, const JointScore& score);
+
+  bool empty() const { return components_.empty(); }
+
+  /// Components of the score with a prior.
+  const std::vector<Eigen::Index>& components() const { return components_; }
+
+  /// Returns a square root of the posterior covariance of components(), SI.
+  Eigen::MatrixXd PosteriorRoot() const;
+
+  /// Returns the posterior means, SI: one per component of the score, 0 for those without a prior.
+  const Eigen::VectorXd& estimate() const { return estimate_; }
+
+  /// Returns the posterior means if other effects have the values `others`, SI, one per component of
+  /// the score.
+  Eigen::VectorXd EstimateBeside(const Eigen::VectorXd& others) const;
+
+  /// Returns the scores of all components in the model with these unknowns. That of a component
+  /// with a prior is the score of what the effect has beyond its prior.
+  JointScore Conditioned() const;
+
+  /// Returns the change of the watched unknowns in the rows of JointScore::shift.
+  Eigen::VectorXd Correction() const { return -score_.shift * estimate_; }
+  /// Returns the covariance that these unknowns add to the rows of JointScore::shift.
+  Eigen::MatrixXd AddedCovariance() const;
+
+  /// Returns the contributions to angles, the largest first. Each element of `angle_rows` is the
+  /// first of three rows of JointScore::shift; the mean of their variances counts.
+  std::vector<EffectContribution> Contributions(const std::vector<Eigen::Index>& angle_rows) const;
+
+ private:
+  const Library& library_;
+  const JointScore& score_;
+  std::vector<Eigen::Index> components_;  // those with a prior
+  Eigen::VectorXd sigma_;                 // prior standard deviations of the components_
+  Eigen::LLT<Eigen::MatrixXd> llt_;       // of I + sigma A sigma, A of the components_
+  Eigen::MatrixXd inverse_;               // its inverse
+  Eigen::VectorXd estimate_;
+};
+
+/// Returns the largest component of an estimated effect in standard deviations of its prior; nullopt
+/// without a prior. Components below three of their own sigmas count only if all are.
+std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, const HypothesisEvidence& effect);
+
+}  // namespace dn::diagnosis_internal

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <dn/effects/unmodelled_prior.h>
+
+#include <map>
+#include <vector>
+
+namespace dn {
+
+struct FlightConfig;
+
+/// Section `unmodelled`: sizes of the effects that the model leaves out, where they differ from the
+/// default of the sensor's class.
+struct UnmodelledConfig {
+  bool none = false;  ///< true: the pure model, without any of these effects
+  /// One sigma per component, or one for all components, in the unit of the effect table.
+  std::map<EffectId, std::vector<double>> sigma;
+};
+
+/// Returns the prior of the effects that a flight's model leaves out: that of the class of its
+/// inertial unit, with the sizes that the section `unmodelled` states. The class follows from
+/// imu.grade, or else from imu.gyro.white_deg_sqrt_h. It is navigation without a section `imu`.
+UnmodelledPrior MakeUnmodelledPrior(const FlightConfig& config);
+
+}  // namespace dn

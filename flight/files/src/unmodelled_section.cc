@@ -1,0 +1,62 @@
+#include <dn/names.h>
+
+#include "config_sections.h"
+
+namespace dn {
+namespace files_internal {
+namespace {
+
+/// Returns the effect of a key; fails unless it can act during the whole flight with fixed values.
+EffectId EffectOfKey(const YamlValue& value, const std::string& name) {
+  const EffectSpec* effect = FindEffect(name);
+  if (effect == nullptr) {
+    value.Fail("unknown effect; did you mean '" +
+               NearestName(name, EffectNames(EffectKind::kFixed)) + "'?");
+  }
+  if (!effect->fixed() || effect->timing == EffectTiming::kWindow) {
+    value.Fail(
+        "takes fixed effects alone; the model states random errors where their sensor is, and "
+        "`estimate` takes errors that act for a part of the flight");
+  }
+  return effect->id;
+}
+
+}  // namespace
+
+UnmodelledConfig ReadUnmodelled(const YamlValue& section) {
+  UnmodelledConfig config;
+  if (section.IsScalar()) {
+    config.none = section.Choice(std::vector<std::pair<std::string, bool>>{{"none", true}});
+    return config;
+  }
+  section.ExpectMap(EffectNames(EffectKind::kFixed));
+  for (const std::string& name : section.Keys()) {
+    const YamlValue value = section[name];
+    const EffectId effect = EffectOfKey(value, name);
+    config.sigma[effect] = ReadEffectSigma(value, EffectRow(effect), &YamlValue::NotNegative);
+  }
+  return config;
+}
+
+}  // namespace files_internal
+
+namespace {
+
+SensorClass FindClass(const std::optional<ImuConfig>& imu) {
+  if (!imu) return SensorClass::kNavigation;
+  return imu->grade ? ClassByDataSheet(ImuPreset(*imu->grade).gyro.white)
+                    : ClassInFlight(imu->model.gyro.white);
+}
+
+}  // namespace
+
+UnmodelledPrior MakeUnmodelledPrior(const FlightConfig& config) {
+  if (config.unmodelled.none) return {};
+  UnmodelledPrior prior(FindClass(config.imu));
+  for (const auto& [effect, sigma] : config.unmodelled.sigma) {
+    prior.Set(effect, files_internal::EffectSigmaInSi(EffectRow(effect), sigma));
+  }
+  return prior;
+}
+
+}  // namespace dn
