@@ -22,6 +22,7 @@ struct MonteCarloArguments {
   std::uint64_t first_seed = 1;
   bool without_pairs = false;
   double epoch_spacing_s = 1.0;
+  std::optional<double> unmodelled;
   std::string shard = "1/1";
 };
 
@@ -76,6 +77,7 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
   FlightRecordOptions how;
   how.with_pairs = !options.without_pairs;
   how.epoch_spacing_s = options.epoch_spacing_s;
+  how.unmodelled = options.unmodelled;
   how.interrupted = [] { return SignalReceived(); };
   std::vector<FlightRecord> records(seeds.size());
   const auto fly = [&](std::size_t k) {
@@ -99,6 +101,7 @@ void MonteCarlo(const MonteCarloArguments& options, Run& run) {
   const Json made_from = {{"scenario", ScenarioText(options.scenario)},
                           {"with_pairs", !options.without_pairs},
                           {"epoch_spacing_s", options.epoch_spacing_s},
+                          {"unmodelled", options.unmodelled.value_or(0.0)},
                           {"version", DN_VERSION},
                           {"program", ProgramHash()}};
   const Series series{"monte-carlo", options.first_seed,
@@ -155,6 +158,11 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
                   "Spacing of the epochs at which the trajectory is tested [s]")
       ->check(PositiveNumber())
       ->capture_default_str();
+  app->add_option("--draw-unmodelled", options->unmodelled,
+                  "Draws every effect that the model leaves out for each flight, from its prior "
+                  "times this factor, and tests the reported covariances. Default: no effects, and "
+                  "the covariances of the pure model")
+      ->check(PositiveNumber());
   app->add_option("--shard", options->shard,
                   "i/N: simulates only every N-th flight, starting with the i-th; dn merge joins "
                   "the shards")

@@ -51,9 +51,9 @@ class Findings {
       const bool of_clock = IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
                             IsEffect(effect.name, EffectId::kGnssTimeDrift);
       if (told && of_clock) continue;
-      const bool fault = effect.prior_sigmas.value_or(kConclusive) > kFaultPriorSigmas;
-      Add(facts::EffectPresent{effect, check_.of_boresight},
-          fault && effect.max_shift_sigmas > kMaxShiftInSigmas, effect.log_evidence);
+      const bool fault = effect.prior_sigmas ? *effect.prior_sigmas > kFaultPriorSigmas
+                                             : effect.max_shift_sigmas > kMaxShiftInSigmas;
+      Add(facts::EffectPresent{effect, check_.of_boresight}, fault, effect.log_evidence);
     }
   }
 

@@ -79,6 +79,8 @@ std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginal
     change.position_variance_enu_m2 = variance(position);
     change.velocity_variance_enu = variance(axes.R_enu_m * v * root);
     change.rph_variance_rad2 = variance(axes.rph_from_body * attitude);
+    change.position_covariance_m2 = (p * root) * (p * root).transpose();
+    change.velocity_covariance = (v * root) * (v * root).transpose();
     change.pose_root.resize(6, root.cols());
     change.pose_root << position, attitude;
     changes.push_back(change);

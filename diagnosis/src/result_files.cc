@@ -42,7 +42,8 @@ Json ContributionJson(const EffectContribution& part) {
           {"estimate", ToJson(part.estimate)},
           {"sigma", ToJson(part.sigma)},
           {"prior", ToJson(part.prior)},
-          {"sigma_deg", ToJson(part.angle_sigma_rad * kDegPerRad)}};
+          {"sigma_deg", ToJson(part.angle_sigma_rad * kDegPerRad)},
+          {"remedy", part.remedy}};
 }
 
 Json ContributionsJson(const std::vector<EffectContribution>& parts) {

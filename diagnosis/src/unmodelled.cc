@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "reduce_words.h"
+
 namespace dn::diagnosis_internal {
 namespace {
 
@@ -99,6 +101,7 @@ std::vector<EffectContribution> UnmodelledUnknowns::Contributions(
     EffectContribution part;
     part.effect = hypothesis.name;
     part.unit = hypothesis.unit;
+    part.remedy = ReduceWords(*hypothesis.id);
     const auto n = static_cast<Index>(components.size());
     part.estimate = hypothesis.per_si * estimate_(components);
     part.sigma = part.prior = VectorXd::Zero(n);

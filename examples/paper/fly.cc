@@ -46,7 +46,7 @@ SmoothedFlight Fly(const dn::Scenario& scenario, std::uint64_t seed,
 
   dn::OutputDirectory files(folder);
   files.Add("trajectory.out", dn::FormatSbet(points));
-  files.Add("trajectory_sigma.txt", dn::FormatTrajectorySigma(smoothed.trajectory().sigma));
+  files.Add("trajectory_sigma.txt", dn::FormatTrajectorySigma(smoothed.CheckedSigmas()));
   files.Add(
       "trajectory_covariance.txt",
       dn::FormatTrajectoryCovariance(smoothed.PoseCovariance(dn::FindStrips(out.sim.flight))));

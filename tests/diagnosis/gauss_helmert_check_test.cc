@@ -53,7 +53,7 @@ struct Smoothed {
     TrajectoryNotes notes;
     notes.velocity_from_file = true;
     if (stated != Stated::kNothing) {
-      folder.Write("trajectory_sigma.txt", FormatTrajectorySigma(smoothed.trajectory().sigma));
+      folder.Write("trajectory_sigma.txt", FormatTrajectorySigma(smoothed.CheckedSigmas()));
     }
     if (stated == Stated::kCovariance) {
       folder.Write("trajectory_covariance.txt",

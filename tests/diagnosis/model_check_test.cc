@@ -23,7 +23,7 @@ using testing::DroneScenario;
 using testing::Fly;
 using ::testing::HasSubstr;
 
-/// An adjusted and checked flight.
+/// An adjusted and checked flight, without effects outside of the model.
 struct Checked {
   SimulatedFlight simulated;
   Calibration calibration;
@@ -31,11 +31,16 @@ struct Checked {
   ModelCheck check;
 
   explicit Checked(SimulatedFlight flight, const AdjustOptions& options = {})
-      : simulated(std::move(flight)),
+      : simulated(Pure(std::move(flight))),
         calibration(simulated.flight, options),
         trajectory(calibration.solution.trajectory()),
         check(calibration.solution.model_check()) {
     Assess(check, &calibration.boresight);
+  }
+
+  static SimulatedFlight Pure(SimulatedFlight flight) {
+    flight.flight.config.unmodelled.none = true;
+    return flight;
   }
 
   const BoresightResult& boresight() const { return calibration.boresight; }

@@ -191,6 +191,12 @@ TEST(FlightConfigErrors, Estimate) {
   ExpectBad("estimate: [{unknown: boresight, t0_s: 3}]\n", "does not belong to", 1);
   ExpectBad("estimate: [{unknown: gravity_tilt, sigma: [1, 2, 3]}]\n", "one number or 2, in arcsec",
             1);
+  ExpectBad("unmodelled: all\n", "none", 1);
+  ExpectBad("unmodelled: {gyro_misalinment: 1}\n", "gyro_misalignment", 1);
+  ExpectBad("unmodelled:\n  gyro_misalignment: -1\n", "unmodelled.gyro_misalignment", 2);
+  ExpectBad("unmodelled: {gravity_tilt: [1, 2, 3]}\n", "one number or 2, in arcsec", 1);
+  ExpectBad("unmodelled: {gnss_position_step: 0.01}\n", "a part of the flight", 1);
+  ExpectBad("unmodelled: {gnss_noise_scale: 2}\n", "gnss_noise_scale", 1);
   ExpectBad("estimate: [lidar_lever_am]\n", "did you mean 'lidar_lever_arm'?", 1);
   ExpectBad("estimate: [boresight, boresight]\n", "estimate[1]: 'boresight' is given twice", 1);
   ExpectBad("estimate: [{unknown: boresight, sigma: 1}]\n", "lidar.boresight_sigma_deg", 1);

@@ -77,6 +77,7 @@ lidar:
 trajectory: {file: t.txt, crs: "utm:32n", attitude: roll_pitch_heading_deg, north: grid,
              sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
 gh: {rotation: small_angle, libor_compat: true}
+unmodelled: {gyro_misalignment: 0.03, lidar_lever_arm: [0.01, 0, 0.02]}
 estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.05}, lidar_time_offset,
            {unknown: boresight_step, t0_s: 381500, sigma: [0.01, 0.02, 0.03]},
            {unknown: gnss_position_step, window_s: [381400, 381450.5]}, gravity_tilt]
@@ -177,6 +178,12 @@ void ExpectSameRest(const FlightConfig& a, const FlightConfig& b) {
   }
   EXPECT_EQ(a.gh.exponential, b.gh.exponential);
   EXPECT_EQ(a.gh.libor_compat, b.gh.libor_compat);
+  EXPECT_EQ(a.unmodelled.none, b.unmodelled.none);
+  ASSERT_EQ(a.unmodelled.sizes.size(), b.unmodelled.sizes.size());
+  for (std::size_t i = 0; i < a.unmodelled.sizes.size(); ++i) {
+    EXPECT_EQ(a.unmodelled.sizes[i].effect, b.unmodelled.sizes[i].effect);
+    EXPECT_EQ(a.unmodelled.sizes[i].sigma, b.unmodelled.sizes[i].sigma);
+  }
   ASSERT_EQ(a.estimate.size(), b.estimate.size());
   for (std::size_t i = 0; i < a.estimate.size(); ++i) {
     EXPECT_EQ(a.estimate[i].unknown, b.estimate[i].unknown);
@@ -240,6 +247,9 @@ TEST(FlightConfig, ConvertsEveryKeyToSi) {
   EXPECT_LT((*PriorSigma(c.estimate[3]) - kDeg * Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 1e-15);
   EXPECT_EQ(*PriorSigma(c.estimate[1]), Eigen::Vector3d::Constant(0.05));
   EXPECT_EQ(PriorSigma(c.estimate[2]), std::nullopt);
+  ASSERT_EQ(c.unmodelled.sizes.size(), 2u);
+  EXPECT_EQ(c.unmodelled.sizes[0].effect, EffectId::kGyroMisalignment);
+  EXPECT_EQ(c.unmodelled.sizes[1].sigma, (std::vector<double>{0.01, 0.0, 0.02}));
   EXPECT_EQ(c.network.inertial, NetworkConfig::Inertial::kRaw);
 }
 
@@ -264,6 +274,7 @@ TEST(FlightConfig, ReadsBackWhatItFormats) {
   ExpectRoundTrip(Parse(kEveryKey));
   ExpectRoundTrip(Parse("{}"));
   ExpectRoundTrip(Parse("{imu: {grade: ln200}, gnss: {}, lidar: {gsd_m: 0.3}, trajectory: {}}"));
+  ExpectRoundTrip(Parse("unmodelled: none"));
   ExpectRoundTrip(Parse("{estimate: []}"));
   ExpectRoundTrip(Parse("{unexplained: 'all of a gap (p < 1e-12), most in \"GNSS\": east'}"));
   ExpectRoundTrip(ParseFlightConfig("name: x", "/f"));
@@ -421,6 +432,21 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
   ExpectSameSensors(shown, plain);
   ExpectSameLidar(*shown.lidar, *plain.lidar);
   ExpectSameRest(shown, plain);
+}
+
+TEST(FlightConfig, UnmodelledEffectsHaveThePriorOfTheSensorAndWhatTheFileStates) {
+  const FlightConfig of_class = Parse("imu: {grade: apx15}\nunmodelled: {}\n");
+  EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(of_class).Sigma(EffectId::kGyroMisalignment)[0], 0.2e-3);
+  const FlightConfig stated =
+      Parse("imu: {grade: apx15}\nunmodelled: {gyro_misalignment: [0.1, 0.1, 0], "
+            "lidar_scan_cone: 0}\n");
+  const UnmodelledPrior prior = MakeUnmodelledPrior(stated);
+  EXPECT_DOUBLE_EQ(prior.Sigma(EffectId::kGyroMisalignment)[0], 0.1e-3);
+  EXPECT_EQ(prior.Sigma(EffectId::kGyroMisalignment)[2], 0.0);
+  EXPECT_EQ(prior.Sigma(EffectId::kLidarScanCone)[0], 0.0);
+  EXPECT_DOUBLE_EQ(prior.Sigma(EffectId::kGyroScaleFactor)[0], 200e-6);
+  EXPECT_TRUE(MakeUnmodelledPrior(Parse("unmodelled: none")).pure());
+  EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(Parse("{}")).Sigma(EffectId::kGyroMisalignment)[0], 0.03e-3);
 }
 
 }  // namespace dn::files_test

@@ -201,7 +201,7 @@ void WriteUnmodelled(const UnmodelledConfig& unmodelled, Writer& out) {
     return;
   }
   std::string text;
-  for (const auto& [effect, sigma] : unmodelled.sigma) {
+  for (const auto& [effect, sigma] : unmodelled.sizes) {
     if (!text.empty()) text += ", ";
     text += EffectName(effect) + ": ";
     text += sigma.size() == 1 ? Number(sigma.front())

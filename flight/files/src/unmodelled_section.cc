@@ -33,7 +33,8 @@ UnmodelledConfig ReadUnmodelled(const YamlValue& section) {
   for (const std::string& name : section.Keys()) {
     const YamlValue value = section[name];
     const EffectId effect = EffectOfKey(value, name);
-    config.sigma[effect] = ReadEffectSigma(value, EffectRow(effect), &YamlValue::NotNegative);
+    config.sizes.push_back(
+        {effect, ReadEffectSigma(value, EffectRow(effect), &YamlValue::NotNegative)});
   }
   return config;
 }
@@ -53,7 +54,7 @@ SensorClass FindClass(const std::optional<ImuConfig>& imu) {
 UnmodelledPrior MakeUnmodelledPrior(const FlightConfig& config) {
   if (config.unmodelled.none) return {};
   UnmodelledPrior prior(FindClass(config.imu));
-  for (const auto& [effect, sigma] : config.unmodelled.sigma) {
+  for (const auto& [effect, sigma] : config.unmodelled.sizes) {
     prior.Set(effect, files_internal::EffectSigmaInSi(EffectRow(effect), sigma));
   }
   return prior;

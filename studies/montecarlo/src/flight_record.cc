@@ -1,13 +1,16 @@
 #include <dn/diagnosis/solution.h>
+#include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>
+#include <dn/sim/random.h>
 #include <dn/stopwatch.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -54,18 +57,40 @@ void SetErrors(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance,
   out->sigmas[quantity] = error.cwiseQuotient(covariance.diagonal().cwiseSqrt());
 }
 
+/// Pose of a node with its covariance: map axes, attitude about the body axes.
+struct NodeEstimate {
+  MapPose pose;
+  Eigen::Matrix3d C_p, C_v, C_q;
+};
+
+NodeEstimate EstimateAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
+  const NodeBlocks& node = network.nodes()[k];
+  return {network.trajectory().NodePose(k), marginals.DiagonalBlock(node.p_mb.id),
+          marginals.DiagonalBlock(node.v_m.id), marginals.DiagonalBlock(node.q_mb.id)};
+}
+
+/// Takes the change by unmodelled effects into an estimate.
+void AddChange(const NodeChange& change, NodeEstimate* estimate) {
+  estimate->pose.p_mb += change.position_m;
+  estimate->pose.v_m += change.velocity_mps;
+  estimate->pose.q_mb = estimate->pose.q_mb * Exp(change.attitude_rad);
+  estimate->C_p += change.position_covariance_m2;
+  estimate->C_v += change.velocity_covariance;
+  const auto attitude = change.pose_root.bottomRows<3>();
+  estimate->C_q += attitude * attitude.transpose();
+}
+
 EpochErrors ErrorsAt(const SimulatedFlight& simulated, const FlightNetwork& network, std::size_t k,
-                     const Marginals& marginals) {
+                     const NodeEstimate& estimate, const Marginals& marginals) {
   const Truth truth(simulated, network);
   const NodeBlocks& node = network.nodes()[k];
-  const MapPose estimate = network.trajectory().NodePose(k);
   const MapPose pose = truth.Pose(node.t_s);
   EpochErrors errors;
   errors.t_s = node.t_s - network.nodes().front().t_s;
-  SetErrors(estimate.p_mb - pose.p_mb, marginals.DiagonalBlock(node.p_mb.id), 0, &errors);
-  SetErrors(estimate.v_m - pose.v_m, marginals.DiagonalBlock(node.v_m.id), 1, &errors);
-  SetErrors(Log(Eigen::Quaterniond(pose.q_mb.conjugate() * estimate.q_mb)),
-            marginals.DiagonalBlock(node.q_mb.id), 2, &errors);
+  SetErrors(estimate.pose.p_mb - pose.p_mb, estimate.C_p, 0, &errors);
+  SetErrors(estimate.pose.v_m - pose.v_m, estimate.C_v, 1, &errors);
+  SetErrors(Log(Eigen::Quaterniond(pose.q_mb.conjugate() * estimate.pose.q_mb)), estimate.C_q, 2,
+            &errors);
   SetErrors(network.trajectory().GyroBias(node.t_s) -
                 truth.Bias(network.trajectory().gyro_bias(), simulated.gyro_bias_radps, node.t_s),
             TotalBiasCovariance(network.trajectory().gyro_bias(), node.t_s, marginals), 3, &errors);
@@ -95,22 +120,49 @@ void AddTrajectoryRms(const SimulatedFlight& simulated, const FlightNetwork& net
   record->attitude_rms_rad = (rph2 / n).cwiseSqrt();
 }
 
-void AddErrors(const SimulatedFlight& simulated, const Solution& solution, double epoch_spacing_s,
-               FlightRecord* record) {
+/// `unmodelled`: null for the pure model.
+void AddErrors(const SimulatedFlight& simulated, const Solution& solution,
+               const UnmodelledEffects* unmodelled, double epoch_spacing_s, FlightRecord* record) {
   const FlightNetwork& network = solution.network();
   double next_s = 0.0;
   for (std::size_t k = 0; k < network.nodes().size(); ++k) {
     if (network.nodes()[k].t_s < network.nodes().front().t_s + next_s - 1e-6) continue;
-    record->epochs.push_back(ErrorsAt(simulated, network, k, solution.marginals()));
+    NodeEstimate estimate = EstimateAt(network, k, solution.marginals());
+    if (unmodelled != nullptr) AddChange(unmodelled->nodes[k], &estimate);
+    record->epochs.push_back(ErrorsAt(simulated, network, k, estimate, solution.marginals()));
     next_s += epoch_spacing_s;
   }
   AddTrajectoryRms(simulated, network, record);
   if (!record->with_pairs) return;
-  const Eigen::Quaterniond q = network.net().Value(network.calibration().boresight());
-  record->boresight_error_rad =
-      Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
+  Eigen::Quaterniond q = network.net().Value(network.calibration().boresight());
   record->boresight_covariance_rad2 =
       solution.marginals().Covariance(network.calibration().boresight());
+  if (unmodelled != nullptr) {
+    q = Exp(unmodelled->boresight_rad) * q;
+    record->boresight_covariance_rad2 += unmodelled->covariance_rad2;
+  }
+  record->boresight_error_rad =
+      Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
+}
+
+/// Returns the scenario with every effect of the prior of its flights, drawn with a factor.
+Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) {
+  FlightConfig config;
+  config.imu.emplace().model = scenario.imu.model;
+  const UnmodelledPrior prior = MakeUnmodelledPrior(config);
+  Random random(seed, "unmodelled effects");
+  for (const EffectSpec& effect : EffectTable()) {
+    if (!effect.fixed()) continue;
+    const Eigen::VectorXd sigma_si = prior.Sigma(effect.id);
+    if (sigma_si.isZero(0.0)) continue;
+    Effect drawn{effect.name, {}, {}, {}};
+    for (std::size_t k = 0; k < effect.components.size(); ++k) {
+      drawn.value.push_back(factor * random.Normal() * sigma_si[static_cast<Eigen::Index>(k)] /
+                            effect.components[k].to_si);
+    }
+    scenario.effects.push_back(std::move(drawn));
+  }
+  return scenario;
 }
 
 }  // namespace
@@ -127,7 +179,9 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
   simulate.progress = [&](const std::string&, double) {
     if (options.interrupted && options.interrupted()) throw dn::Interrupted();
   };
-  const SimulatedFlight simulated = Simulate(scenario, simulate);
+  const SimulatedFlight simulated = Simulate(
+      options.unmodelled ? WithDrawnEffects(scenario, *options.unmodelled, seed) : scenario,
+      simulate);
   FlightRecord record;
   record.seed = seed;
   record.with_pairs = options.with_pairs;
@@ -141,11 +195,14 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
     record.redundancy = trajectory.figures.redundancy;
     record.outliers = solution.adjustment().outliers;
     const ModelCheck& check = solution.model_check();
+    const bool drawn = options.unmodelled.has_value() && check.unmodelled.has_value();
+    if (drawn) record.chi2 *= std::pow(check.sigma0_with_effects / trajectory.figures.sigma0, 2);
     record.contradicted = check.contradicted();
     record.check_p_value = check.p_value;
     record.residuals = trajectory.residuals;
     record.innovations = trajectory.innovations;
-    AddErrors(simulated, solution, options.epoch_spacing_s, &record);
+    AddErrors(simulated, solution, drawn ? &*check.unmodelled : nullptr, options.epoch_spacing_s,
+              &record);
   } catch (const dn::Interrupted&) {
     throw;
   } catch (const std::exception& error) {

@@ -23,6 +23,7 @@ struct NodeChange {
   Eigen::Vector3d attitude_rad;  ///< right rotation: q_mb' = q_mb Exp(attitude)
   /// Variances added: east, north, up; roll, pitch, heading.
   Eigen::Vector3d position_variance_enu_m2, velocity_variance_enu, rph_variance_rad2;
+  Eigen::Matrix3d position_covariance_m2, velocity_covariance;  ///< added, map axes
   /// G with the joint covariance G_i G_j^T that is added to the poses of nodes i and j: position
   /// east, north, up (m), attitude in body (rad).
   Eigen::Matrix<double, 6, Eigen::Dynamic> pose_root;
@@ -101,7 +102,9 @@ struct ModelCheck {
 /// mean and variance.
 ///
 /// A finding contradicts the model in these cases:
-///   - an effect or a common error is significant at the family-wise level 0.001, and shifts the
+///   - an effect with a prior (UnmodelledPrior) is significant at the family-wise level 0.001 and
+///     exceeds four standard deviations of its prior;
+///   - another effect or a common error is significant at the family-wise level 0.001, and shifts the
 ///     boresight (without pairs: an attitude or a position) by more than its sigma;
 ///   - an unmodelled discrepancy is significant at that level, or a stated prior is contradicted;
 ///   - a group has more than twice its variance after the found effects, or sigma0 exceeds 3;

@@ -80,6 +80,7 @@ struct TrajectoryResult {
 struct EffectContribution {
   std::string effect;
   std::string unit;
+  std::string remedy;        ///< what would make the part smaller
   Eigen::VectorXd estimate;  ///< posterior mean of each component, in `unit`
   Eigen::VectorXd sigma;     ///< posterior standard deviations
   Eigen::VectorXd prior;     ///< prior standard deviations

@@ -2,19 +2,24 @@
 
 #include <dn/effects/unmodelled_prior.h>
 
-#include <map>
 #include <vector>
 
 namespace dn {
 
 struct FlightConfig;
 
-/// Section `unmodelled`: sizes of the effects that the model leaves out, where they differ from the
-/// default of the sensor's class.
+/// Size of an effect that the model leaves out.
+struct UnmodelledSize {
+  EffectId effect;
+  /// One sigma per component, or one for all components, in the unit of the effect table.
+  std::vector<double> sigma;
+};
+
+/// Section `unmodelled`.
 struct UnmodelledConfig {
   bool none = false;  ///< true: the pure model, without any of these effects
-  /// One sigma per component, or one for all components, in the unit of the effect table.
-  std::map<EffectId, std::vector<double>> sigma;
+  /// Effects whose sizes differ from the default of the sensor's class.
+  std::vector<UnmodelledSize> sizes;
 };
 
 /// Returns the prior of the effects that a flight's model leaves out: that of the class of its

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ struct FlightRecord {
   std::string failure;  ///< error message; empty if the flight was adjusted
   Eigen::Vector3d boresight_error_rad = Eigen::Vector3d::Zero();  ///< left perturbation from truth
   Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
-  double chi2 = 0.0;
+  double chi2 = 0.0;  ///< twice the cost, with the effects if they are drawn
   long redundancy = 0;
   long outliers = 0;
   bool contradicted = false;  ///< the model check rejects the model, although it is the true one
@@ -52,6 +53,10 @@ struct FlightRecord {
 struct FlightRecordOptions {
   bool with_pairs = true;
   double epoch_spacing_s = 1.0;  ///< spacing of the recorded epochs, which are nodes; > 0
+  /// If set, each flight has every effect that the model leaves out, drawn from its prior times this
+  /// factor, and the reported values are recorded. Otherwise there are none, and those of the pure
+  /// model are recorded.
+  std::optional<double> unmodelled = {};
   std::function<bool()> interrupted = {};
 };
 

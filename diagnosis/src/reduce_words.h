@@ -1,0 +1,13 @@
+#pragma once
+
+#include <dn/effects/effect_table.h>
+
+#include <string>
+
+namespace dn::diagnosis_internal {
+
+/// Returns what would reduce the uncertainty that an effect outside of the model leaves: a
+/// measurement, a document, or a line to fly.
+std::string ReduceWords(EffectId effect);
+
+}  // namespace dn::diagnosis_internal

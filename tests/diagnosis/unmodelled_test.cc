@@ -1,0 +1,217 @@
+#include "unmodelled.h"
+
+#include <dn/diagnosis/solution.h>
+#include <dn/files/unmodelled.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <string>
+
+#include "draw_unmodelled.h"
+#include "testing/short_flights.h"
+
+namespace dn::diagnosis_test {
+
+using diagnosis_internal::Library;
+using diagnosis_internal::MakeHypothesis;
+using diagnosis_internal::UnmodelledUnknowns;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Effects with one column block each, and their joint score for random data: three unknowns x with
+/// J, effects with L, r = J x + L e.
+struct Toy {
+  static constexpr Index kRows = 60;
+  Library library;
+  JointScore score;
+  MatrixXd J = MatrixXd::Random(kRows, 3), L;
+  VectorXd r = VectorXd::Random(kRows);
+  VectorXd sigma;
+
+  explicit Toy(const UnmodelledPrior& prior) {
+    for (const EffectId id :
+         {EffectId::kLidarLeverArm, EffectId::kLidarScanCone, EffectId::kLidarRangeScale}) {
+      score.first.push_back(L.cols());
+      library.hypotheses.push_back(MakeHypothesis(id, library.blocks.size()));
+      library.blocks.emplace_back();
+      const VectorXd one = prior.Sigma(id);
+      L.conservativeResize(kRows, L.cols() + one.size());
+      // One prior sigma changes a residual by about one: the data show a part of each effect.
+      L.rightCols(one.size()) =
+          MatrixXd::Random(kRows, one.size()) *
+          one.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 1.0; }).asDiagonal();
+      sigma.conservativeResize(L.cols());
+      sigma.tail(one.size()) = one;
+    }
+    score.first.push_back(L.cols());
+    const MatrixXd N_inverse = (J.transpose() * J).inverse();
+    r -= J * (N_inverse * (J.transpose() * r));  // residuals at the minimum
+    score.s = L.transpose() * r;
+    score.A = L.transpose() * L - (L.transpose() * J) * N_inverse * (J.transpose() * L);
+    score.signature2 = (L.transpose() * L).diagonal();
+    score.shift = N_inverse * J.transpose() * L;
+  }
+
+  /// Returns normal matrix and estimate of x and all effects, each effect with its prior.
+  MatrixXd Normal() const {
+    MatrixXd all(kRows, 3 + L.cols());
+    all << J, L;
+    MatrixXd N = all.transpose() * all;
+    for (Index k = 0; k < sigma.size(); ++k) N(3 + k, 3 + k) += 1.0 / (sigma[k] * sigma[k]);
+    return N;
+  }
+  VectorXd Estimate() const {
+    MatrixXd all(kRows, 3 + L.cols());
+    all << J, L;
+    return -Normal().llt().solve(all.transpose() * r);
+  }
+};
+
+TEST(UnmodelledUnknowns, EqualUnknownsWithPriorsInTheAdjustment) {
+  const UnmodelledPrior prior(SensorClass::kTactical);
+  const Toy toy(prior);
+  const UnmodelledUnknowns unknowns(toy.library, prior, toy.score);
+  const VectorXd expected = toy.Estimate();
+  EXPECT_LT((unknowns.Correction() - expected.head<3>()).norm(), 1e-9 * expected.head<3>().norm());
+  const VectorXd e = expected.tail(toy.sigma.size()).cwiseQuotient(toy.sigma);
+  EXPECT_LT((unknowns.estimate().cwiseQuotient(toy.sigma) - e).norm(), 1e-9 * e.norm());
+  const MatrixXd C = toy.Normal().inverse().topLeftCorner<3, 3>();
+  const MatrixXd pure = (toy.J.transpose() * toy.J).inverse();
+  EXPECT_LT((pure + unknowns.AddedCovariance() - C).norm(), 1e-9 * C.norm());
+}
+
+// What an effect has beyond its prior is a second unknown with the same columns.
+TEST(UnmodelledUnknowns, ConditionedScoresAreThoseOfASecondUnknownWithTheSameColumns) {
+  const UnmodelledPrior prior(SensorClass::kTactical);
+  const Toy toy(prior);
+  const JointScore given = UnmodelledUnknowns(toy.library, prior, toy.score).Conditioned();
+  MatrixXd all(Toy::kRows, 3 + toy.L.cols());
+  all << toy.J, toy.L;
+  const MatrixXd N_inverse = toy.Normal().inverse();
+  const VectorXd s =
+      toy.L.transpose() * toy.r - toy.L.transpose() * all * (N_inverse * (all.transpose() * toy.r));
+  const MatrixXd A =
+      toy.L.transpose() * toy.L - toy.L.transpose() * all * N_inverse * all.transpose() * toy.L;
+  const MatrixXd shift = (N_inverse * all.transpose() * toy.L).topRows<3>();
+  const auto by_size = [&](const MatrixXd& X) { return X * toy.sigma.asDiagonal(); };
+  EXPECT_LT((given.s - s).cwiseProduct(toy.sigma).norm(), 1e-8);
+  EXPECT_LT((toy.sigma.asDiagonal() * by_size(given.A - A)).norm(), 1e-8);
+  EXPECT_LT(by_size(given.shift - shift).norm(), 1e-8 * by_size(shift).norm());
+}
+
+TEST(UnmodelledUnknowns, AComponentThatIsRuledOutChangesNothing) {
+  UnmodelledPrior prior(SensorClass::kTactical);
+  prior.Set(EffectId::kLidarLeverArm, Eigen::Vector3d(0.01, 0.0, 0.01));
+  prior.Set(EffectId::kLidarScanCone, VectorXd::Zero(1));
+  const Toy toy(prior);
+  const UnmodelledUnknowns unknowns(toy.library, prior, toy.score);
+  EXPECT_EQ(unknowns.components().size(), 3U);
+  EXPECT_EQ(unknowns.estimate()[1], 0.0);
+  EXPECT_EQ(unknowns.estimate()[3], 0.0);
+  const UnmodelledUnknowns none(toy.library, UnmodelledPrior(), toy.score);
+  EXPECT_TRUE(none.empty());
+  EXPECT_EQ(none.Conditioned().A, toy.score.A);
+}
+
+TEST(UnmodelledUnknowns, ContributionsAreWhatKnowledgeOfAnEffectWouldSave) {
+  const UnmodelledPrior prior(SensorClass::kTactical);
+  const Toy toy(prior);
+  const UnmodelledUnknowns unknowns(toy.library, prior, toy.score);
+  UnmodelledPrior without_cone = prior;
+  without_cone.Set(EffectId::kLidarScanCone, VectorXd::Zero(1));
+  const VectorXd saved =
+      (unknowns.AddedCovariance() -
+       UnmodelledUnknowns(toy.library, without_cone, toy.score).AddedCovariance())
+          .diagonal();
+  for (const EffectContribution& part : unknowns.Contributions({0})) {
+    if (part.effect != EffectName(EffectId::kLidarScanCone)) continue;
+    EXPECT_LT((part.angle_sigma_rad.cwiseAbs2() - saved).norm(), 1e-9 * saved.norm());
+  }
+}
+
+/// Returns `estimate:` with every effect of a prior and its sigma.
+std::vector<EstimateEntry> EstimateAll(const UnmodelledPrior& prior) {
+  std::vector<EstimateEntry> entries{{.unknown = "boresight"}};
+  for (const EffectSpec& effect : EffectTable()) {
+    if (!effect.fixed() || prior.Sigma(effect.id).isZero(0.0)) continue;
+    EstimateEntry entry{.unknown = effect.name};
+    for (std::size_t k = 0; k < effect.components.size(); ++k) {
+      entry.sigma.push_back(prior.Sigma(effect.id)[static_cast<Index>(k)] /
+                            effect.components[k].to_si);
+    }
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+TEST(Unmodelled, OneInverseGivesWhatAnAdjustmentWithAllEffectsGives) {
+  const UnmodelledPrior prior(SensorClass::kNavigation);
+  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(DrawUnmodelled(prior, 3)), 3);
+  const BoresightResult linear = Solution(sim.flight).CheckedBoresight();
+  sim.flight.config.unmodelled.none = true;
+  sim.flight.config.estimate = EstimateAll(prior);
+  const BoresightResult refit = Solution(sim.flight).Boresight();
+  const Eigen::Vector3d sigma = refit.sigma_rad();
+  EXPECT_LT((linear.angles_rad - refit.angles_rad).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 0.1);
+  EXPECT_LT((linear.sigma_rad().cwiseQuotient(sigma).array() - 1.0).abs().maxCoeff(), 0.01);
+}
+
+TEST(Unmodelled, ThePureModelIsBeside) {
+  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(), 3);
+  const BoresightResult with = Solution(sim.flight).CheckedBoresight();
+  const BoresightResult pure = Solution(sim.flight).Boresight();
+  ASSERT_TRUE(with.as_modelled);
+  EXPECT_EQ(with.as_modelled->angles_rad, pure.angles_rad);
+  EXPECT_EQ(with.as_modelled->covariance_rad2, pure.covariance_rad2);
+  EXPECT_TRUE((with.sigma_rad().array() > pure.sigma_rad().array()).all());
+  EXPECT_FALSE(with.contributions.empty());
+  sim.flight.config.unmodelled.none = true;
+  const BoresightResult none = Solution(sim.flight).CheckedBoresight();
+  EXPECT_EQ(none.angles_rad, pure.angles_rad);
+  EXPECT_FALSE(none.as_modelled);
+}
+
+// A tolerance is corrected as far as the data show it; an error of many prior sigmas is a fault.
+TEST(Unmodelled, ATolerancePassesAndAFaultContradicts) {
+  const auto verdict = [](const std::string& cone_deg) {
+    const SimulatedFlight sim =
+        testing::Fly(testing::AircraftScenario(
+                         "effects: [{effect: lidar_scan_cone, value: " + cone_deg + "}]\n"),
+                     3);
+    return Solution(sim.flight).CheckedBoresight();
+  };
+  EXPECT_EQ(verdict("0.012").verdict, Verdict::kCalibrated);
+  const BoresightResult fault = verdict("0.3");
+  EXPECT_EQ(fault.verdict, Verdict::kContradicted);
+  ASSERT_FALSE(fault.reasons.empty());
+  const auto* present = fault.reasons.front().As<facts::EffectPresent>();
+  ASSERT_NE(present, nullptr);
+  EXPECT_EQ(present->effect.name, "lidar_scan_cone");
+  EXPECT_GT(present->effect.prior_sigmas.value_or(0.0), 4.0);
+}
+
+TEST(Unmodelled, ADesignPredictsTheSigmaOfItsFlight) {
+  const SimulatedFlight sim = testing::Fly(testing::AircraftScenario(), 3);
+  const Solution solution(sim.flight);
+  const Eigen::Vector3d ratio = solution.PredictedBoresight().sigma_rad().cwiseQuotient(
+      solution.CheckedBoresight().sigma_rad());
+  EXPECT_LT((ratio.array() - 1.0).abs().maxCoeff(), 1e-9);
+}
+
+TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {
+  const SimulatedFlight sim = testing::Fly(testing::AircraftScenario(), 3);
+  const Solution solution(sim.flight);
+  const std::vector<TrajectorySigma> sigma = solution.CheckedSigmas();
+  const std::vector<TrajectorySigma>& pure = solution.trajectory().sigma;
+  ASSERT_EQ(sigma.size(), pure.size());
+  double largest = 0.0;
+  for (std::size_t k = 0; k < sigma.size(); ++k) {
+    EXPECT_TRUE((sigma[k].rph_rad.array() >= pure[k].rph_rad.array()).all());
+    largest = std::max(largest, sigma[k].rph_rad.cwiseQuotient(pure[k].rph_rad).maxCoeff());
+  }
+  EXPECT_GT(largest, 1.2);
+}
+
+}  // namespace dn::diagnosis_test
