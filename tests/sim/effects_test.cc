@@ -157,7 +157,7 @@ TEST_F(Effects, GnssMultipathIsGaussMarkovTimesTheBank) {
 }
 
 TEST_F(Effects, GnssMultipathIsLargeInTurnsOnly) {
-  const SimulatedFlight with = With("{effect: gnss_multipath, value: [0.3, 0.3, 0.3, 2]}");
+  const SimulatedFlight with = With("{effect: gnss_multipath, value: [0.3, 0.3, 0.3, 0.5]}");
   const std::vector<Vector3d> shift = AntennaShift(with, Clean());
   const std::vector<double> bank = BankRatios(Clean());
   double turns_m2 = 0.0, level_m2 = 0.0, num_turns = 0.0, num_level = 0.0;
