@@ -15,7 +15,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr double kRounding = 1e-12;
+constexpr double kRatioRounding = 1e-12;
 const GnssProcess kByBank{{0.02, 0.03, 0.05}, 20.0, GnssErrorGrowth::kBank};
 
 /// Returns the ratio of the sigmas at an attitude in a map whose axes are rotated from north, east,
@@ -25,18 +25,18 @@ double Ratio(const Vector3d& rph_deg, const Quaterniond& q_mn) {
   pose.q_mb = q_mn * QuaternionFromRollPitchHeading(kDeg * rph_deg);
   const Vector3d up_m = q_mn * Vector3d(0.0, 0.0, -1.0);
   const Vector3d ratio = GnssProcessSigma(kByBank, pose, up_m).cwiseQuotient(kByBank.sigma_enu_m);
-  EXPECT_NEAR(ratio.y(), ratio.x(), kRounding);
-  EXPECT_NEAR(ratio.z(), ratio.x(), kRounding);
+  EXPECT_NEAR(ratio.y(), ratio.x(), kRatioRounding);
+  EXPECT_NEAR(ratio.z(), ratio.x(), kRatioRounding);
   return ratio.x();
 }
 
 TEST(GnssProcessSigma, IsProportionalToTheRollOnEitherSide) {
   const Quaterniond same = Quaterniond::Identity();
-  EXPECT_NEAR(Ratio({0.0, 0.0, 0.0}, same), 0.0, kRounding);
-  EXPECT_NEAR(Ratio({30.0, 0.0, 0.0}, same), 1.0, kRounding);
-  EXPECT_NEAR(Ratio({-15.0, 0.0, 0.0}, same), 0.5, kRounding);
-  EXPECT_NEAR(Ratio({60.0, 0.0, 0.0}, same), 2.0, kRounding);
-  EXPECT_NEAR(Ratio({-170.0, 0.0, 0.0}, same), 17.0 / 3.0, kRounding);
+  EXPECT_NEAR(Ratio({0.0, 0.0, 0.0}, same), 0.0, kRatioRounding);
+  EXPECT_NEAR(Ratio({30.0, 0.0, 0.0}, same), 1.0, kRatioRounding);
+  EXPECT_NEAR(Ratio({-15.0, 0.0, 0.0}, same), 0.5, kRatioRounding);
+  EXPECT_NEAR(Ratio({60.0, 0.0, 0.0}, same), 2.0, kRatioRounding);
+  EXPECT_NEAR(Ratio({-170.0, 0.0, 0.0}, same), 17.0 / 3.0, kRatioRounding);
 }
 
 TEST(GnssProcessSigma, DependsOnTheRollOnly) {
