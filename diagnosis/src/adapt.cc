@@ -45,6 +45,12 @@ void AddGnssProcess(const Flight&, const GapCause&, const VectorXd& si, FlightCo
   RequireSection(config->gnss, "gnss").processes.push_back({si.head<3>(), si[3]});
 }
 
+void AddGnssMultipath(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  if (si.head<3>().maxCoeff() <= kLeastSigma) return;
+  RequireSection(config->gnss, "gnss")
+      .processes.push_back({si.head<3>(), si[3], GnssErrorGrowth::kBank});
+}
+
 void ScaleGnss(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
   RequireSection(config->gnss, "gnss").sigma_scale *= si[0];
 }
@@ -103,6 +109,7 @@ struct Statement {
 
 constexpr Statement kStatements[] = {
     {EffectId::kGnssCorrelatedNoise, "gnss.processes", &AddGnssProcess},
+    {EffectId::kGnssMultipath, "gnss.processes", &AddGnssMultipath},
     {EffectId::kGnssNoiseScale, "gnss.sigma_scale", &ScaleGnss},
     {EffectId::kGyroNoiseScale, "imu.gyro.white_deg_sqrt_h", &ScaleGyro},
     {EffectId::kAccelNoiseScale, "imu.accel.white_m_s_sqrt_h", &ScaleAccel},

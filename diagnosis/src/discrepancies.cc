@@ -1,5 +1,7 @@
 #include "discrepancies.h"
 
+#include <dn/builder/gnss_multipath.h>
+#include <dn/builder/node_grid.h>
 #include <dn/factors/gnss_antenna.h>
 #include <dn/factors/lidar_effect.h>
 #include <dn/files/scan_angle.h>
@@ -178,6 +180,21 @@ Hypothesis GnssByCell(const TimeCells& cells) {
 Hypothesis GnssByCosine(const Cosines& cosines) {
   return MakeSumByTime<GnssShift>("GNSS positions by frequency", cosines.count, kGnssM,
                                   [cosines](double t_s, VectorXd* w) { *w = cosines.At(t_s); });
+}
+
+Hypothesis GnssByBankAndCosine(const Cosines& cosines, const TrajectoryGraph& trajectory,
+                               const LocalFrame& frame) {
+  const GnssProcess unit{Vector3d::Ones(), 1.0, GnssErrorGrowth::kBank};
+  std::vector<double> ratio;  // one per node
+  for (std::size_t k = 0; k < trajectory.node_times().size(); ++k) {
+    const MapPose pose = trajectory.NodePose(k);
+    ratio.push_back(GnssProcessSigma(unit, pose, frame.R_m_enu(pose.p_mb).col(2)).x());
+  }
+  return MakeSumByTime<GnssShift>(
+      "GNSS positions by bank and frequency", cosines.count, kGnssM,
+      [cosines, ratio, node_t_s = trajectory.node_times()](double t_s, VectorXd* w) {
+        *w = ratio[NodeNear(node_t_s, t_s)] * cosines.At(t_s);
+      });
 }
 
 }  // namespace dn::diagnosis_internal

@@ -66,4 +66,8 @@ Hypothesis GnssByCell(const TimeCells& cells);
 /// cosine.
 Hypothesis GnssByCosine(const Cosines& cosines);
 
+/// Returns that discrepancy times |roll| / 30 deg of the trajectory (GnssProcessSigma).
+Hypothesis GnssByBankAndCosine(const Cosines& cosines, const TrajectoryGraph& trajectory,
+                               const LocalFrame& frame);
+
 }  // namespace dn::diagnosis_internal

@@ -68,6 +68,11 @@ class LibraryMaker {
     bias_cosines_.count = std::min(waves, kMostBiasCosines);
     shapes_ = {{GnssByCell(gnss_cells_), &LibraryMaker::AddGnssCells},
                {GnssByCosine(gnss_cosines_), &LibraryMaker::AddGnssCosines}};
+    if (options_.Wanted(EffectId::kGnssMultipath)) {
+      shapes_.push_back(
+          {GnssByBankAndCosine(gnss_cosines_, network_.trajectory(), network_.flight().frame),
+           &LibraryMaker::AddGnssMultipath});
+    }
     if (with_pairs_) ListPairShapes();
   }
 
@@ -111,6 +116,10 @@ class LibraryMaker {
     const std::size_t block = library_.AddBlock(std::move(columns));
     AddProcesses(EffectId::kGnssCorrelatedNoise, block, gnss_cosines_);
     AddPeriods("GNSS oscillation", block, gnss_cosines_, shape.typical.head<3>());
+  }
+
+  void AddGnssMultipath(Hypothesis, EffectModel columns) {
+    AddProcesses(EffectId::kGnssMultipath, library_.AddBlock(std::move(columns)), gnss_cosines_);
   }
 
   void AddBoresightCells(Hypothesis shape, EffectModel columns) {

@@ -71,7 +71,10 @@ void AddOwnErrors(const OwnErrors& own, const std::shared_ptr<const TruthTraject
           sample->w_ib_b_radps += error_radps(sample->t_s);
         });
   }
-  if (own.antenna_enu_m) active->antenna_enu_m.push_back(own.antenna_enu_m);
+  if (own.antenna_enu_m) {
+    active->antenna_enu_m.emplace_back(
+        [error_enu_m = own.antenna_enu_m](double t_s, double) { return error_enu_m(t_s); });
+  }
   if (own.boresight_rad) {
     active->boresight_rad.emplace_back(
         [more_rad = own.boresight_rad, truth](double t_s, const LidarSpan&) {

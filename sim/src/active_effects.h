@@ -70,8 +70,8 @@ struct ActiveEffects {
 
   Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true minus assumed value
   double gnss_noise_ratio = 1.0;
-  /// Error of an antenna position, east, north, up, m.
-  std::vector<std::function<Eigen::Vector3d(double t_s)>> antenna_enu_m;
+  /// Error of an antenna position at a true roll, east, north, up, m.
+  std::vector<std::function<Eigen::Vector3d(double t_s, double roll_rad)>> antenna_enu_m;
   std::vector<TagShift> gnss_tags;
   double gnss_tag_drift = 0.0;  ///< of the tags relative to true time, from the first epoch on
   std::vector<DataGap> gnss_gaps;

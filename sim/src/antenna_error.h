@@ -8,14 +8,20 @@
 
 namespace dn {
 
-/// Simulates an error of the antenna position as a Gauss-Markov process in continuous time. The
-/// epochs of the calls must increase.
+/// Simulates an error of the antenna position as a Gauss-Markov process x in continuous time. The
+/// epochs of the calls must increase. An error that grows with the bank is
+///
+///   e = |roll| / 30 deg  diag(sigma_enu) x,      x [3]: unit variance, correlation exp(-dt / tau)
+///
+/// Reason for the linear law: an antenna that banks sees a part of the sky past wing and tail. This
+/// part lies between the horizon and the plane of the antenna, and is |roll| / 180 deg of the sky.
+/// The process itself continues in level flight, as the geometry of the satellites does.
 class AntennaError {
  public:
   AntennaError(const GnssProcess& process, const Random& random);
 
-  /// Returns the error at t_s in local east, north, up, m.
-  Eigen::Vector3d operator()(double t_s);
+  /// Returns the error at t_s, at a true roll, in local east, north, up, m.
+  Eigen::Vector3d operator()(double t_s, double roll_rad);
 
  private:
   GnssProcess process_;

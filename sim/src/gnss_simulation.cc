@@ -1,6 +1,7 @@
 #include "gnss_simulation.h"
 
 #include <dn/error.h>
+#include <dn/rotation.h>
 #include <dn/sim/random.h>
 
 #include <cmath>
@@ -35,13 +36,15 @@ class Receiver {
   /// Returns the epoch at the true time t_s. `first_s` is the true time of the first epoch in the
   /// file.
   MapGnssEpoch At(double t_s, double first_s) {
-    const TruthState state = truth_.State(t_s);
+    NormalEarth earth;
+    const TruthState state = truth_.State(t_s, &earth);
     const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
     const Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m_;
     const Eigen::Matrix3d R_m_enu = truth_.frame().R_m_enu(antenna_m);
     Vector3d error_enu = noise_scale_ * gnss_.sigma_enu_m.cwiseProduct(random_.Normal3());
-    for (AntennaError& correlated_enu_m : correlated_errors_) error_enu += correlated_enu_m(t_s);
-    for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s);
+    const double roll_rad = RollPitchHeading(ToNavPoint(state, earth).q_nb).x();
+    for (AntennaError& error_enu_m : correlated_errors_) error_enu += error_enu_m(t_s, roll_rad);
+    for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s, roll_rad);
     MapGnssEpoch epoch;
     epoch.t_s = Tag(effects_.gnss_tags, t_s) + effects_.gnss_tag_drift * (t_s - first_s);
     epoch.p_m = antenna_m + R_m_enu * error_enu;

@@ -112,6 +112,68 @@ TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
             1e-15);
 }
 
+/// Returns a network at the truth with one error by bank, which is at one sigma in all its states.
+FlightNetwork WithErrorByBank(const Flight& flight) {
+  FlightNetwork network = AtTruth(flight);
+  for (const Block<Vec<3>>& block : network.trajectory().gnss_error()[0].blocks) {
+    network.net().SetValue(block, Eigen::Vector3d::Ones());
+  }
+  return network;
+}
+
+Eigen::Vector3d PositionResidual(const FlightNetwork& network, const GnssEdge& edge) {
+  const FactorRecord& record = network.net().factor(edge.position);
+  std::vector<const double*> x;
+  for (const BlockId block : record.blocks) x.push_back(network.net().block(block).value.get());
+  Eigen::Vector3d r;
+  EXPECT_TRUE(record.factor->Evaluate(x.data(), r.data(), nullptr));
+  return r;
+}
+
+// The error enters the residuals in units of the white noise, in proportion to the true roll.
+TEST(FlightNetwork, GnssErrorsByBankEnterTheResidualsInTurns) {
+  Flight flight = DroneFlight().flight;
+  const Eigen::Vector3d sigma_m(0.03, 0.06, 0.09), white_m(0.015, 0.015, 0.03);
+  flight.config.gnss->processes = {{sigma_m, 10.0, GnssErrorGrowth::kBank}};
+  const FlightNetwork without = AtTruth(DroneFlight().flight), with = WithErrorByBank(flight);
+  double most_deg = 0.0;
+  for (std::size_t e = 0; e < with.gnss().edges().size(); ++e) {
+    const double t_s = flight.gnss->epochs[with.gnss().edges()[e].epoch].t_s;
+    const double roll_rad = RollPitchHeading(DroneFlight().truth->Nav(t_s).q_nb).x();
+    const double roll_deg = std::abs(roll_rad) / kRadPerDeg;
+    most_deg = std::max(most_deg, roll_deg);
+    const Eigen::Vector3d change = PositionResidual(with, with.gnss().edges()[e]) -
+                                   PositionResidual(without, without.gnss().edges()[e]);
+    const Eigen::Vector3d expected = roll_deg / 30.0 * sigma_m.cwiseQuotient(white_m);
+    ASSERT_LE((change - expected).norm(), 2e-3) << "roll " << roll_deg << " deg";
+    ASSERT_LE((with.trajectory().GnssErrorEnu(t_s) - roll_deg / 30.0 * sigma_m).norm(), 1e-6);
+  }
+  EXPECT_GT(most_deg, 20.0);
+}
+
+// The network neglects the derivative of the bank. A rotation of a milliradian moves a lever arm of
+// a metre by a millimetre, and an error of three centimetres by a tenth of that.
+TEST(FlightNetwork, GnssErrorsByBankFollowTheTrajectoryAtARebuild) {
+  Flight flight = DroneFlight().flight;
+  flight.config.gnss->processes = {{{0.03, 0.03, 0.03}, 10.0, GnssErrorGrowth::kBank}};
+  FlightNetwork network = WithErrorByBank(flight);
+  const GnssEdge edge = network.gnss().edges()[40];
+  const double t_s = flight.gnss->epochs[edge.epoch].t_s;
+  const auto roll = [&](double angle_rad) {
+    const NodeBlocks& node = network.nodes()[edge.node];
+    const Eigen::Quaterniond q_mb = network.net().Value(node.q_mb);
+    network.net().SetValue(node.q_mb,
+                           q_mb * Eigen::Quaterniond(Exp(Eigen::Vector3d(angle_rad, 0.0, 0.0))));
+  };
+  const Eigen::Vector3d before_m = network.trajectory().GnssErrorEnu(t_s);
+  roll(1e-3);
+  EXPECT_LT((network.trajectory().GnssErrorEnu(t_s) - before_m).norm(), 1.1e-4);
+  roll(0.3);
+  const Eigen::Vector3d stale = PositionResidual(network, edge);
+  network.Repreintegrate();
+  EXPECT_GT((PositionResidual(network, edge) - stale).norm(), 0.1);
+}
+
 TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   FlightNetworkOptions options;
   options.bias_interval_per_tau = 0.01;  // 6 s for tau = 600 s

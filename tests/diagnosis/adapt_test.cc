@@ -106,6 +106,15 @@ TEST(Adapted, StatesRandomEffectsInTheNoise) {
   EXPECT_EQ(gnss.gnss->sigma_scale, 1.5);
   EXPECT_EQ(gnss.gnss->robust, RobustKind::kHuber);
 
+  const FlightConfig by_bank =
+      Adapted(PlainDrone(), {Cause("gnss_correlated_noise", {0.01, 0.02, 0.03, 50}),
+                             Cause("gnss_multipath", {0.03, 0.02, 0.01, 20})});
+  ASSERT_EQ(by_bank.gnss->processes.size(), 2u);
+  EXPECT_EQ(by_bank.gnss->processes[0].growth, GnssErrorGrowth::kNone);
+  EXPECT_EQ(by_bank.gnss->processes[1],
+            (GnssProcess{{0.03, 0.02, 0.01}, 20.0, GnssErrorGrowth::kBank}));
+  EXPECT_EQ(AdaptedKey("gnss_multipath"), "gnss.processes");
+
   const FlightConfig imu =
       Adapted(PlainDrone(), {Cause("gyro_noise_scale", {2.0}), Cause("accel_noise_scale", {3.0}),
                              Cause("gyro_bias_process", {0.3, 90.0})});
@@ -158,6 +167,7 @@ TEST(Adapted, AProcessOfNoSizeIsNone) {
   const std::string before = text(PlainDrone().config);
   EXPECT_EQ(text(Adapted(PlainDrone(), {Cause("gyro_bias_process", {-0.1, 100})})), before);
   EXPECT_EQ(text(Adapted(PlainDrone(), {Cause("gnss_correlated_noise", {0, -0.1, 0, 9})})), before);
+  EXPECT_EQ(text(Adapted(PlainDrone(), {Cause("gnss_multipath", {0, -0.1, 0, 9})})), before);
   const FlightConfig one =
       Adapted(PlainDrone(), {Cause("gnss_correlated_noise", {0.1, -0.1, 0, 9})});
   EXPECT_EQ(one.gnss->processes[0].sigma_enu_m, Eigen::Vector3d(0.1, 0, 0));

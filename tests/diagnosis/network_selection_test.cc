@@ -152,6 +152,16 @@ TEST(NetworkSelection, ACorrelatedNoiseLeavesNoOscillation) {
   }
 }
 
+// The two differ in level flight, where the first one has no error.
+TEST(NetworkSelection, MultipathInTurnsIsNoCorrelatedNoise) {
+  for (const Selected& selected :
+       SelectForSeeds("{effect: gnss_multipath, value: [0.08, 0.08, 0.14, 20]}")) {
+    EXPECT_THAT(Names(selected), ElementsAre("gnss_multipath"));
+    const HypothesisEvidence& found = selected.model.chosen.front();
+    EXPECT_NEAR(std::log(found.estimate[0] / 0.08), 0.0, 1.0);
+  }
+}
+
 /// Returns a scenario of three strips, with the last one flown in both directions.
 Scenario FourStrips(const std::string& extra = "") {
   Scenario scenario = AircraftScenario(extra);

@@ -108,6 +108,8 @@ TEST(FlightConfigErrors, GnssProcesses) {
             3);
   ExpectBad("gnss:\n  processes: [{type: random_walk, sigma_enu_m: [1, 1, 1], tau_s: 1}]\n",
             "gnss.processes[0].type: 'random_walk' is not one of gauss_markov", 2);
+  ExpectBad(begin + "sigma_enu_m: [1, 1, 1], tau_s: 1, grows_with: bang}\n", "did you mean 'bank'?",
+            3);
   ExpectBad("gnss: {processes: 3}\n", "gnss.processes: expected a list", 1);
 }
 

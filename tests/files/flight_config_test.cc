@@ -58,7 +58,8 @@ gnss:
   use_velocity: false
   processes:
     - {type: gauss_markov, sigma_enu_m: [0.011, 0.012, 0.023], tau_s: 123.4}
-    - {type: gauss_markov, sigma_enu_m: [0, 0, 0.3], tau_s: 3e3}
+    - {type: gauss_markov, sigma_enu_m: [0, 0, 0.3], tau_s: 3e3, grows_with: bank}
+    - {type: gauss_markov, sigma_enu_m: [0, 0, 0.4], tau_s: 5, grows_with: none}
   robust: huber
 lidar:
   p2p: [a.txt, "lidar/*.txt"]
@@ -234,9 +235,10 @@ TEST(FlightConfig, ConvertsEveryKeyToSi) {
   EXPECT_EQ(c.imu->model.vibration[1], (ImuVibration{381140.0, 381200.0, 0.0, 0.07}));
   EXPECT_EQ(c.gnss->lever_arm_b_m, Eigen::Vector3d(0.4, -0.1, -1.1));
   EXPECT_EQ(c.gnss->use_velocity, std::optional<bool>(false));
-  ASSERT_EQ(c.gnss->processes.size(), 2U);
+  ASSERT_EQ(c.gnss->processes.size(), 3U);
   EXPECT_EQ(c.gnss->processes[0], (GnssProcess{{0.011, 0.012, 0.023}, 123.4}));
-  EXPECT_EQ(c.gnss->processes[1], (GnssProcess{{0.0, 0.0, 0.3}, 3000.0}));
+  EXPECT_EQ(c.gnss->processes[1], (GnssProcess{{0.0, 0.0, 0.3}, 3000.0, GnssErrorGrowth::kBank}));
+  EXPECT_EQ(c.gnss->processes[2], (GnssProcess{{0.0, 0.0, 0.4}, 5.0}));
   EXPECT_NEAR(c.lidar->mounting.boresight_rad.z(), 0.35 * kDeg, kRelative);
   EXPECT_NEAR(c.lidar->boresight_sigma_rad->y(), 0.2 * kDeg, kRelative);
   EXPECT_NEAR(c.trajectory->sigma_y_rad, 0.00058 * kDeg, kRelative);

@@ -70,6 +70,7 @@ class Effects : public ::testing::Test {
 TEST_F(Effects, ZeroSizeChangesNothing) {
   const SimulatedFlight zero = With(
       "{effect: gnss_time_offset, value: 0}, {effect: gnss_correlated_noise, value: [0, 0, 0, 9]},"
+      "{effect: gnss_multipath, value: [0, 0, 0, 9]},"
       "{effect: gnss_noise_scale, value: 1}, {effect: accel_scale_factor, value: [0, 0, 0]},"
       "{effect: gyro_misalignment, value: [0, 0, 0]}, {effect: gyro_bias_process, value: [0, 9]},"
       "{effect: gravity_tilt, value: [0, 0]}, {effect: p2p_outliers, value: [0, 5]},"
@@ -119,6 +120,59 @@ TEST_F(Effects, GnssCorrelatedNoiseIsGaussMarkov) {
     EXPECT_NEAR(ratio, 1.0, 4.0 * std::sqrt(2.0 / independent));
     EXPECT_NEAR(lagged[i] / variance[i], std::exp(-step_s / kTau_s), 0.1);
   }
+}
+
+/// Returns |roll| / 30 deg of the true attitude at each GNSS epoch of the clean flight.
+std::vector<double> BankRatios(const SimulatedFlight& clean) {
+  constexpr double k30Deg = std::numbers::pi / 6.0;
+  std::vector<double> ratios;
+  for (const MapGnssEpoch& epoch : clean.flight.gnss->epochs) {
+    const double roll_rad = RollPitchHeading(clean.truth->Nav(epoch.t_s).q_nb).x();
+    ratios.push_back(std::abs(roll_rad) / k30Deg);
+  }
+  return ratios;
+}
+
+// The error divided by the bank is a Gauss-Markov process, and so independent of the bank.
+TEST_F(Effects, GnssMultipathIsGaussMarkovTimesTheBank) {
+  constexpr double kTau_s = 4.0;
+  const SimulatedFlight with = With("{effect: gnss_multipath, value: [0.1, 0.2, 0.4, 4]}");
+  const std::vector<Vector3d> shift = AntennaShift(with, Clean());
+  const std::vector<double> bank = BankRatios(Clean());
+  const auto n = static_cast<double>(shift.size());
+  Vector3d variance = Vector3d::Zero(), lagged = variance, before = variance;
+  for (std::size_t k = 0; k < shift.size(); ++k) {
+    const Vector3d x = shift[k] / bank[k];
+    variance += x.cwiseAbs2() / n;
+    lagged += x.cwiseProduct(before) / n;
+    before = x;
+  }
+  const double step_s = Clean().flight.gnss->epochs[1].t_s - Clean().flight.gnss->epochs[0].t_s;
+  const double independent = n * step_s / (2.0 * kTau_s);
+  const Vector3d sigma(0.1, 0.2, 0.4);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(variance[i] / (sigma[i] * sigma[i]), 1.0, 4.0 * std::sqrt(2.0 / independent));
+    EXPECT_NEAR(lagged[i] / variance[i], std::exp(-step_s / kTau_s), 0.1);
+  }
+}
+
+TEST_F(Effects, GnssMultipathIsLargeInTurnsOnly) {
+  const SimulatedFlight with = With("{effect: gnss_multipath, value: [0.3, 0.3, 0.3, 0.5]}");
+  const std::vector<Vector3d> shift = AntennaShift(with, Clean());
+  const std::vector<double> bank = BankRatios(Clean());
+  double turns_m2 = 0.0, level_m2 = 0.0, num_turns = 0.0, num_level = 0.0;
+  for (std::size_t k = 0; k < shift.size(); ++k) {
+    const bool turning = bank[k] > 0.7, level = bank[k] < 0.1;  // 21 deg and 3 deg
+    turns_m2 += turning ? shift[k].squaredNorm() / 3.0 : 0.0;
+    level_m2 += level ? shift[k].squaredNorm() / 3.0 : 0.0;
+    num_turns += turning ? 1.0 : 0.0;
+    num_level += level ? 1.0 : 0.0;
+  }
+  ASSERT_GT(num_turns, 80.0);
+  ASSERT_GT(num_level, 80.0);
+  const double at_25_deg_m = 0.3 * 25.0 / 30.0;
+  EXPECT_NEAR(std::sqrt(turns_m2 / num_turns) / at_25_deg_m, 1.0, 0.25);
+  EXPECT_LT(std::sqrt(level_m2 / num_level), 0.1 * 0.3);
 }
 
 TEST_F(Effects, GnssNoiseScaleMultipliesTheErrors) {

@@ -58,7 +58,8 @@ imu:
   gyro: {white_deg_sqrt_h: 0.07, processes: [{type: random_walk, sigma_deg_h_sqrt_h: 0.1},
                                              {type: gauss_markov, sigma_deg_h: 1.7, tau_s: 33}]}
 gnss: {rate_hz: 2.5, sigma_enu_m: [0.02, 0.03, 0.05], lever_arm_m: [0.4, -0.1, -1.1],
-       velocity: true, processes: [{type: gauss_markov, sigma_enu_m: [0.01, 0.02, 0], tau_s: 77}]}
+       velocity: true, processes: [{type: gauss_markov, sigma_enu_m: [0.01, 0.02, 0], tau_s: 77},
+                   {type: gauss_markov, sigma_enu_m: [0.03, 0, 0], tau_s: 5, grows_with: bank}]}
 lidar: {R_sensor_to_body: [[0,1,0],[0,0,1],[1,0,0]], scan_axis: [0,1,0], nadir_axis: [1,0,0],
         lever_arm_m: [0.14, -0.02, 0.21], boresight_deg: [0.8, -0.5, 1.2], fov_deg: 61,
         pattern: cone, gsd_m: 0.17, pulse_rate_hz: 77777, beam_divergence_mrad: 0.31,

@@ -1,7 +1,9 @@
+#include <dn/rotation.h>
 #include <dn/sim/simulate.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "small_scenario.h"
@@ -50,6 +52,22 @@ TEST(GnssProcesses, AreSimulatedAndStated) {
   EXPECT_NEAR(lagged.x() / variance.x(), std::exp(-0.25), 0.1);
 }
 
+// The random numbers are those of the constant error, so that the two differ by the bank only.
+TEST(GnssProcesses, GrowWithTheBankIfStated) {
+  const GnssProcess constant{{0.3, 0.2, 0.4}, 2.0};
+  GnssProcess by_bank = constant;
+  by_bank.growth = GnssErrorGrowth::kBank;
+  const SimulatedFlight with = FlyWithProcess({by_bank}, true), level = FlyWithProcess({}, true);
+  EXPECT_EQ(with.flight.config.gnss->processes, std::vector<GnssProcess>{by_bank});
+  const std::vector<Eigen::Vector3d> error = Differences(with, level);
+  const std::vector<Eigen::Vector3d> usual = Differences(FlyWithProcess({constant}, true), level);
+  for (std::size_t k = 0; k < error.size(); ++k) {
+    const NavPoint truth = with.truth->Nav(with.flight.gnss->epochs[k].t_s);
+    const double ratio = std::abs(RollPitchHeading(truth.q_nb).x()) / (std::numbers::pi / 6.0);
+    ASSERT_LT((error[k] - ratio * usual[k]).norm(), 1e-6) << k;
+  }
+}
+
 TEST(GnssProcesses, AreLeftOutOfAFlightWithoutNoise) {
   const std::vector<GnssProcess> processes{{{0.3, 0.2, 0.1}, 2.0}};
   for (const Eigen::Vector3d& x :
@@ -63,10 +81,13 @@ TEST(GnssProcesses, AreReadAsInAFlight) {
       "name: s\norigin_deg_m: [46.57, 6.52, 400]\nstart_s: 381000\n"
       "plan: {lines: [[-500, 0, 500, 0, 200, 45]]}\nimu: {preset: ln200}\n"
       "lidar: {gsd_m: 0.2}\n"
-      "gnss: {processes: [{type: gauss_markov, sigma_enu_m: [0, 0.1, 0.2], tau_s: 60}]}\n",
+      "gnss: {processes: [{type: gauss_markov, sigma_enu_m: [0, 0.1, 0.2], tau_s: 60}, "
+      "{type: gauss_markov, sigma_enu_m: [0, 0.1, 0.2], tau_s: 60, grows_with: bank}]}\n",
       "s.yaml");
-  ASSERT_EQ(scenario.gnss.processes.size(), 1U);
+  ASSERT_EQ(scenario.gnss.processes.size(), 2U);
   EXPECT_EQ(scenario.gnss.processes[0], (GnssProcess{{0.0, 0.1, 0.2}, 60.0}));
+  EXPECT_EQ(scenario.gnss.processes[1],
+            (GnssProcess{{0.0, 0.1, 0.2}, 60.0, GnssErrorGrowth::kBank}));
 }
 
 }  // namespace dn::sim_test

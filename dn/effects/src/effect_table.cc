@@ -80,6 +80,8 @@ std::vector<EffectSpec> MakeTable() {
        {One("drift", "ppm", kPpm, 2.0, scale)}},
       {kGnssCorrelatedNoise, "gnss_correlated_noise", kGnss, kProcess, kFlight,
        GaussMarkov(Three(sigma_enu, "m", 1.0, 0.02, sigma), 40.0)},
+      {kGnssMultipath, "gnss_multipath", kGnss, kProcess, kFlight,
+       GaussMarkov(Three(sigma_enu, "m", 1.0, 0.02, sigma), 20.0)},
       {kGnssPositionStep, "gnss_position_step", kGnss, kFixed, kWindow,
        Three(enu, "m", 1.0, 0.02, Within(1e6))},
       {kGnssNoiseScale, "gnss_noise_scale", kGnss, kNoise, kFlight, Ratio(2.0)},

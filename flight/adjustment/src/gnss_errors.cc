@@ -23,26 +23,28 @@ Json ProcessJson(const GnssProcess& process, const ProcessChain& chain, const Ne
     const auto states = static_cast<double>(chain.blocks.size());
     return ToJson(process.sigma_enu_m.cwiseProduct((sum / states).cwiseSqrt()));
   };
-  return {{"sigma_enu_m", ToJson(process.sigma_enu_m)},
-          {"tau_s", process.tau_s},
-          {"states", chain.blocks.size()},
-          {"rms_enu_m", rms_m(square)},
-          {"posterior_sigma_enu_m", rms_m(variance)}};
+  Json json = {{"sigma_enu_m", ToJson(process.sigma_enu_m)},
+               {"tau_s", process.tau_s},
+               {"states", chain.blocks.size()},
+               {"rms_enu_m", rms_m(square)},
+               {"posterior_sigma_enu_m", rms_m(variance)}};
+  if (process.growth == GnssErrorGrowth::kBank) json["grows_with"] = "bank";
+  return json;
 }
 
 /// Returns the sigmas of the sum of the processes at an epoch. The position factor of the epoch
 /// joins these processes, so their joint covariances are in the selected inverse.
 Eigen::Vector3d ProcessSumSigma(const FlightNetwork& network, const Marginals& marginals,
                                 double t_s) {
-  const std::vector<GnssProcess>& processes = network.flight().config.gnss->processes;
+  const TrajectoryGraph& trajectory = network.trajectory();
+  const std::vector<ProcessChain>& chains = trajectory.gnss_error();
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();
-  for (std::size_t a = 0; a < processes.size(); ++a) {
-    for (std::size_t b = 0; b < processes.size(); ++b) {
+  for (std::size_t a = 0; a < chains.size(); ++a) {
+    for (std::size_t b = 0; b < chains.size(); ++b) {
       const Eigen::MatrixXd covariance =
-          marginals.Covariance(network.trajectory().gnss_error()[a].At(t_s).id,
-                               network.trajectory().gnss_error()[b].At(t_s).id);
-      variance += processes[a]
-                      .sigma_enu_m.cwiseProduct(processes[b].sigma_enu_m)
+          marginals.Covariance(chains[a].At(t_s).id, chains[b].At(t_s).id);
+      variance += trajectory.GnssErrorSigmaEnu(a, t_s)
+                      .cwiseProduct(trajectory.GnssErrorSigmaEnu(b, t_s))
                       .cwiseProduct(covariance.diagonal());
     }
   }

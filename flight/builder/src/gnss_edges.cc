@@ -2,12 +2,24 @@
 #include <dn/builder/gnss_factors.h>
 #include <dn/builder/node_grid.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "append.h"
 #include "factor_groups.h"
 
 namespace dn {
+namespace {
+
+bool WithErrorsByBank(const EdgeContext& context) {
+  if (!context.flight.gnss) return false;
+  const std::vector<GnssProcess>& processes = context.flight.config.gnss->processes;
+  return std::any_of(processes.begin(), processes.end(), [](const GnssProcess& process) {
+    return process.growth == GnssErrorGrowth::kBank;
+  });
+}
+
+}  // namespace
 
 GnssEdges::GnssEdges(const EdgeContext& context) : context_(context) {
   if (!context_.flight.gnss) return;
@@ -69,9 +81,9 @@ std::shared_ptr<const FactorBase> GnssEdges::VelocityFactor(
 }
 
 void GnssEdges::Rebuild(const CalibrationState& calibration) {
-  const bool with_effects = !GnssEffectIndices(calibration).empty();
+  const bool by_motion = !GnssEffectIndices(calibration).empty() || WithErrorsByBank(context_);
   for (const GnssEdge& edge : edges_) {
-    if (with_effects) {
+    if (by_motion) {
       context_.factors.Renew(edge.position, [&] { return PositionFactor(edge, calibration); });
     }
     if (edge.velocity >= 0) {

@@ -1,4 +1,5 @@
 #include <dn/builder/gnss_factors.h>
+#include <dn/builder/gnss_multipath.h>
 #include <dn/builder/measurement_noise.h>
 #include <dn/factors/gnss_error.h>
 #include <dn/factors/gnss_position.h>
@@ -19,9 +20,11 @@ using builder_internal::SharedEffects;
 
 constexpr const char* kCheckGnss = "check its sigmas and gnss.sigma_scale";
 
-GnssEffects TimeCorrelatedErrors(const Flight& flight, const MapGnssEpoch& epoch) {
+GnssEffects TimeCorrelatedErrors(const Flight& flight, const MapGnssEpoch& epoch,
+                                 const MapPose& pose) {
   GnssEffects errors;
-  for (const GnssProcess& process : flight.config.gnss->processes) {
+  for (GnssProcess process : flight.config.gnss->processes) {
+    process.sigma_enu_m = GnssProcessSigma(process, pose, epoch.R_m_enu.col(2));
     errors.push_back(std::make_shared<CorrelatedGnssError>(process, epoch.R_m_enu));
   }
   return errors;
@@ -78,7 +81,7 @@ std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
   const Noise<3> noise =
       MeasurementNoise(GnssPositionCovariance(epoch, *flight.config.gnss) + input.added_covariance,
                        "the GNSS position", epoch.t_s, kCheckGnss);
-  GnssEffects effects = TimeCorrelatedErrors(flight, epoch);
+  GnssEffects effects = TimeCorrelatedErrors(flight, epoch, input.pose);
   for (auto& effect : SharedEffects<GnssEffect>(calibration)) effects.push_back(std::move(effect));
   if (effects.empty()) return std::make_shared<GnssPosition>(epoch.p_m, noise);
   const Preintegrated here =

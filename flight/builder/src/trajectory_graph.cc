@@ -1,4 +1,5 @@
 #include <dn/builder/gnss_factors.h>
+#include <dn/builder/gnss_multipath.h>
 #include <dn/builder/node_grid.h>
 #include <dn/builder/trajectory_graph.h>
 #include <dn/error.h>
@@ -155,10 +156,15 @@ ImuCorrection TrajectoryGraph::BiasesAt(double t_s) const {
 Eigen::Vector3d TrajectoryGraph::GnssErrorEnu(double t_s) const {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < gnss_error_.size(); ++i) {
-    sum_m += flight_.config.gnss->processes[i].sigma_enu_m.cwiseProduct(
-        net_.Value(gnss_error_[i].At(t_s)));
+    sum_m += GnssErrorSigmaEnu(i, t_s).cwiseProduct(net_.Value(gnss_error_[i].At(t_s)));
   }
   return sum_m;
+}
+
+Eigen::Vector3d TrajectoryGraph::GnssErrorSigmaEnu(std::size_t i, double t_s) const {
+  const MapPose pose = NodePose(NodeNear(node_t_s_, t_s));
+  return GnssProcessSigma(flight_.config.gnss->processes[i], pose,
+                          flight_.frame.R_m_enu(pose.p_mb).col(2));
 }
 
 std::vector<BlockId> TrajectoryGraph::NodeIds(std::size_t k) const {

@@ -62,6 +62,12 @@ const Words<BiasProcess::Type>& GnssProcessWords() {
   return words;
 }
 
+const Words<GnssErrorGrowth>& GnssErrorGrowthWords() {
+  static const Words<GnssErrorGrowth> words{{"none", GnssErrorGrowth::kNone},
+                                            {"bank", GnssErrorGrowth::kBank}};
+  return words;
+}
+
 const Words<bool>& GhRotationWords() {
   static const Words<bool> words{{"exp", true}, {"small_angle", false}};
   return words;

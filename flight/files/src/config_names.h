@@ -23,6 +23,7 @@ const Words<GnssFormat>& GnssFormatWords();
 const Words<BiasProcess::Type>& ProcessWords();
 /// The types of process allowed for GNSS errors.
 const Words<BiasProcess::Type>& GnssProcessWords();
+const Words<GnssErrorGrowth>& GnssErrorGrowthWords();
 const Words<bool>& GhRotationWords();
 const Words<TrajectoryColumns::Attitude>& AttitudeWords();
 const Words<bool>& NorthWords();

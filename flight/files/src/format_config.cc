@@ -292,8 +292,13 @@ std::string QuoteYaml(const std::string& text) {
 }
 
 std::string FormatGnssProcess(const GnssProcess& process) {
+  const bool grows = process.growth != GnssErrorGrowth::kNone;
   return "{type: gauss_markov, sigma_enu_m: " + List(process.sigma_enu_m) +
-         ", tau_s: " + Number(process.tau_s) + "}";
+         ", tau_s: " + Number(process.tau_s) +
+         (grows
+              ? ", grows_with: " + FindWord(process.growth, files_internal::GnssErrorGrowthWords())
+              : "") +
+         "}";
 }
 
 std::string FormatGyroNoise(const SensorNoise& noise) {

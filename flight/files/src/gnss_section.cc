@@ -14,9 +14,13 @@ Eigen::Vector3d ProcessSigmas(const YamlValue& value) {
 }
 
 GnssProcess ReadGnssProcess(const YamlValue& item) {
-  item.ExpectMap({"type", "sigma_enu_m", "tau_s"});
+  item.ExpectMap({"type", "sigma_enu_m", "tau_s", "grows_with"});
   item["type"].Choice(files_internal::GnssProcessWords());
-  return {ProcessSigmas(item["sigma_enu_m"]), item["tau_s"].Positive()};
+  GnssProcess process{ProcessSigmas(item["sigma_enu_m"]), item["tau_s"].Positive()};
+  if (item["grows_with"]) {
+    process.growth = item["grows_with"].Choice(files_internal::GnssErrorGrowthWords());
+  }
+  return process;
 }
 
 }  // namespace

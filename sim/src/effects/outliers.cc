@@ -26,7 +26,7 @@ class GrossError {
 
 void GnssOutliers(const EffectInput& input, ActiveEffects* active) {
   active->antenna_enu_m.emplace_back(
-      [error = GrossError(input)](double) mutable { return error.Next(); });
+      [error = GrossError(input)](double, double) mutable { return error.Next(); });
 }
 
 void P2pOutliers(const EffectInput& input, ActiveEffects* active) {

@@ -25,6 +25,7 @@ void GnssLeverArm(const EffectInput& input, ActiveEffects* active);
 void GnssNoiseScale(const EffectInput& input, ActiveEffects* active);
 void GnssPositionStep(const EffectInput& input, ActiveEffects* active);
 void GnssCorrelatedNoise(const EffectInput& input, ActiveEffects* active);
+void GnssMultipath(const EffectInput& input, ActiveEffects* active);
 void GnssOutliers(const EffectInput& input, ActiveEffects* active);
 void GnssOutage(const EffectInput& input, ActiveEffects* active);
 void GnssTimeOffset(const EffectInput& input, ActiveEffects* active);

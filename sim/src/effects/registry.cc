@@ -24,6 +24,7 @@ const std::vector<SimulatedEffect>& SimulatedEffects() {
       {EffectId::kGnssNoiseScale, &effects::GnssNoiseScale},
       {EffectId::kGnssPositionStep, &effects::GnssPositionStep},
       {EffectId::kGnssCorrelatedNoise, &effects::GnssCorrelatedNoise},
+      {EffectId::kGnssMultipath, &effects::GnssMultipath},
       {EffectId::kGnssOutliers, &effects::GnssOutliers},
       {EffectId::kGnssOutage, &effects::GnssOutage},
       {EffectId::kGnssTimeOffset, &effects::GnssTimeOffset},

@@ -75,8 +75,7 @@ std::vector<Quantity> ListCorrelatedErrors(const FlightNetwork& network) {
   AppendTotal(network.trajectory().accel_bias(), t_s, {"accel_bias", xyz, "mg", mg, false, {}},
               as_is, &all);
   const auto in_sigmas = [&](std::size_t k) {
-    const Eigen::Vector3d sigma_m = network.flight().config.gnss->processes[k].sigma_enu_m;
-    return Eigen::MatrixXd(sigma_m.asDiagonal());
+    return Eigen::MatrixXd(network.trajectory().GnssErrorSigmaEnu(k, t_s).asDiagonal());
   };
   AppendTotal(network.trajectory().gnss_error(), t_s, {"gnss_error", enu, "m", 1.0, false, {}},
               in_sigmas, &all);

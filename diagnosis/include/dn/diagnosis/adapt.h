@@ -15,6 +15,7 @@ namespace dn {
 ///                             prior of max(10 x typical, 3 x |estimate|), without which the first
 ///                             INS/GNSS solution does not settle
 ///   gnss_correlated_noise     one more element of gnss.processes
+///   gnss_multipath            one more element of gnss.processes, with grows_with: bank
 ///   gnss_noise_scale          gnss.sigma_scale x ratio
 ///   gyro, accel_noise_scale   white noise x ratio
 ///   gyro, accel_bias_process  one more gauss_markov process

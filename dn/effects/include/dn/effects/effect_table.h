@@ -16,6 +16,7 @@ enum class EffectId {
   kGnssTimeOffset,
   kGnssTimeDrift,
   kGnssCorrelatedNoise,
+  kGnssMultipath,
   kGnssPositionStep,
   kGnssNoiseScale,
   kGyroScaleFactor,

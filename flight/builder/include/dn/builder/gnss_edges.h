@@ -32,8 +32,8 @@ class GnssEdges {
   std::shared_ptr<const FactorBase> VelocityFactor(const GnssEdge& edge,
                                                    const CalibrationState& calibration) const;
 
-  /// Makes the factors that depend on the motion of the antenna again, at the present biases and
-  /// this calibration.
+  /// Makes the factors that depend on the motion of the antenna or its bank again, at the present
+  /// trajectory and biases, and this calibration.
   void Rebuild(const CalibrationState& calibration);
 
  private:

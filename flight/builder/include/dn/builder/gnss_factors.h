@@ -21,7 +21,7 @@ Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConf
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config);
 
 /// Returns the largest sigma of a GNSS position along an axis, m. It includes the white noise of
-/// the first epoch and the time-correlated processes.
+/// the first epoch and the time-correlated processes, at the reference bank if they grow with it.
 double TypicalGnssSigma(const Flight& flight);
 
 /// Returns whether the velocity of an epoch is used: it and its covariance are present, and
@@ -41,7 +41,8 @@ struct GnssEdgeInput {
 
 /// Returns the position factor of an epoch. Without time-correlated errors and GNSS effects it is a
 /// GnssPosition on (q_mb, p_mb, a_b). Otherwise it is a GnssAntenna on (q_mb, p_mb, a_b, v_m), the
-/// values of gnss.processes (CorrelatedGnssError), and the effects in the order of
+/// values of gnss.processes (CorrelatedGnssError), with the sigmas at the attitude of the pose
+/// (GnssProcessSigma), and the effects in the order of
 /// GnssEffectIndices. Throws InvalidInput with the time of the epoch if its covariance is not
 /// finite and positive definite.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,

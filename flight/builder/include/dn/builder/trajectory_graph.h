@@ -56,7 +56,7 @@ class TrajectoryGraph {
   const std::vector<ProcessChain>& gyro_bias() const { return gyro_bias_; }
   const std::vector<ProcessChain>& accel_bias() const { return accel_bias_; }
   /// Returns one chain per entry of gnss.processes: east, north, up in units of the sigmas of the
-  /// process (see CorrelatedGnssError).
+  /// process at the attitude of the epoch (see CorrelatedGnssError).
   const std::vector<ProcessChain>& gnss_error() const { return gnss_error_; }
 
   /// Returns the present pose of node k.
@@ -73,6 +73,10 @@ class TrajectoryGraph {
   /// Returns the sum of the time-correlated errors of a GNSS position at t_s, local east, north,
   /// up, m.
   Eigen::Vector3d GnssErrorEnu(double t_s) const;
+
+  /// Returns the standard deviations that entry i of gnss.processes states for the attitude at t_s,
+  /// local east, north, up, m.
+  Eigen::Vector3d GnssErrorSigmaEnu(std::size_t i, double t_s) const;
 
   /// Returns the blocks of node k: attitude, position, velocity.
   std::vector<BlockId> NodeIds(std::size_t k) const;

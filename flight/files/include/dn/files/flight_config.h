@@ -153,7 +153,7 @@ std::string FormatFlightConfig(const FlightConfig& config);
 std::string FormatFlightFile(const FlightConfig& config);
 
 /// Returns an element of gnss.processes: "{type: gauss_markov, sigma_enu_m: [0.01, 0.01, 0.02],
-/// tau_s: 120}".
+/// tau_s: 120}", with `grows_with: bank` if the error grows with the bank.
 std::string FormatGnssProcess(const GnssProcess& process);
 
 }  // namespace dn
