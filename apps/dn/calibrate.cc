@@ -1,6 +1,7 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
+#include <dn/axis_names.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
 #include <fmt/format.h>
@@ -24,18 +25,16 @@ struct CalibrateOptions {
 };
 
 void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
-                 const std::vector<std::string>& columns) {
-  const char* rows[] = {"roll", "pitch", "yaw"};
+                 const char* const (&columns)[3]) {
   fmt::print("{}\n  {:<6} {:>8} {:>8} {:>8}\n", title, "", columns[0], columns[1], columns[2]);
   for (int r = 0; r < 3; ++r) {
-    fmt::print("  {:<6} {:>8.1f} {:>8.1f} {:>8.1f}\n", rows[r], percent(r, 0), percent(r, 1),
-               percent(r, 2));
+    fmt::print("  {:<6} {:>8.1f} {:>8.1f} {:>8.1f}\n", kRollPitchYaw[r], percent(r, 0),
+               percent(r, 1), percent(r, 2));
   }
 }
 
 void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
                  const std::string& method) {
-  const char* names[] = {"roll", "pitch", "yaw"};
   const auto truth_deg = ReadTrueBoresightDeg(config.folder);
   const Eigen::Vector3d angles_deg = boresight.angles_rad * kDegPerRad;
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
@@ -44,7 +43,7 @@ void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
   fmt::print("  {:<6} {:>12} {:>12}{}\n", "", "estimate", "sigma",
              truth_deg ? fmt::format(" {:>12} {:>10}", "truth", "error/sigma") : "");
   for (int i = 0; i < 3; ++i) {
-    fmt::print("  {:<6} {:>12.6f} {:>12.6f}", names[i], angles_deg[i], sigma_deg[i]);
+    fmt::print("  {:<6} {:>12.6f} {:>12.6f}", kRollPitchYaw[i], angles_deg[i], sigma_deg[i]);
     if (truth_deg) {
       fmt::print(" {:>12.6f} {:>10.2f}", (*truth_deg)[i],
                  (angles_deg[i] - (*truth_deg)[i]) / sigma_deg[i]);
@@ -100,12 +99,11 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
                  const std::vector<UnknownEstimate>& unknowns) {
   PrintAngles(flight_run.flight.config, boresight, "");
   PrintUnknowns(unknowns);
-  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
-              {"roll", "pitch", "yaw"});
+  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(), kRollPitchYaw);
   PrintMatrix("with the accelerometer bias at the lidar barycentre [%]",
-              100.0 * boresight.accel_bias.at_barycentre, {"x", "y", "z"});
+              100.0 * boresight.accel_bias.at_barycentre, kXyz);
   PrintMatrix("with the gyro bias at the lidar barycentre [%]",
-              100.0 * boresight.gyro_bias.at_barycentre, {"x", "y", "z"});
+              100.0 * boresight.gyro_bias.at_barycentre, kXyz);
   fmt::print(
       "over the flight: accelerometer bias max {:.1f} rms {:.1f}, gyro bias max {:.1f} rms {:.1f} "
       "[%]\n",
@@ -145,8 +143,7 @@ void PrintSigmas(const BoresightResult& boresight, const CorrelatedErrorCovarian
   } else {
     print_sigmas("attitude error constant over the flight", constant_rad2.diagonal().cwiseSqrt());
   }
-  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
-              {"roll", "pitch", "yaw"});
+  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(), kRollPitchYaw);
 }
 
 void PrintFigures(const AdjustmentFigures& figures, const BoresightResult& boresight) {

@@ -3,6 +3,7 @@
 #include <dn/adjustment/gnss_errors.h>
 #include <dn/adjustment/left_out_gnss.h>
 #include <dn/adjustment/words.h>
+#include <dn/axis_names.h>
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
@@ -39,20 +40,18 @@ struct Plot {
 std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
   const auto& sigma = flight_run.solution->trajectory().sigma;
   const auto& biases = flight_run.solution->trajectory().biases;
-  const char* enu[] = {"east", "north", "up"};
-  const char* rph[] = {"roll", "pitch", "heading"};
-  const char* xyz[] = {"x", "y", "z"};
   std::vector<PlotPanel> panels{{"position sigma [m]", {}}, {"attitude sigma [deg]", {}}};
   std::vector<PlotPanel> bias_panels{{"gyro bias [deg/h]", {}}, {"accelerometer bias [mg]", {}}};
   for (int i = 0; i < 3; ++i) {
     panels[0].series.push_back(
-        Curve(enu[i], sigma, [i](const TrajectorySigma& row) { return row.position_enu_m[i]; }));
-    panels[1].series.push_back(Curve(
-        rph[i], sigma, [i](const TrajectorySigma& row) { return row.rph_rad[i] * kDegPerRad; }));
-    bias_panels[0].series.push_back(Curve(xyz[i], biases, [i](const BiasEstimate& row) {
+        Curve(kEnu[i], sigma, [i](const TrajectorySigma& row) { return row.position_enu_m[i]; }));
+    panels[1].series.push_back(Curve(kRollPitchHeading[i], sigma, [i](const TrajectorySigma& row) {
+      return row.rph_rad[i] * kDegPerRad;
+    }));
+    bias_panels[0].series.push_back(Curve(kXyz[i], biases, [i](const BiasEstimate& row) {
       return row.gyro_radps[i] * kDegPerRad * 3600.0;
     }));
-    bias_panels[1].series.push_back(Curve(xyz[i], biases, [i](const BiasEstimate& row) {
+    bias_panels[1].series.push_back(Curve(kXyz[i], biases, [i](const BiasEstimate& row) {
       return row.accel_mps2[i] * 1e3 / kStandardGravityMps2;
     }));
   }

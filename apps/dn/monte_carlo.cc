@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/montecarlo/summary.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
@@ -51,7 +52,6 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
   }
   run->AddFile("trajectory_nees.svg", *trajectory);
   if (!summary.with_pairs) return;
-  const char* names[] = {"roll", "pitch", "yaw"};
   std::vector<PlotPanel> angles;
   for (int i = 0; i < 3; ++i) {
     PlotSeries errors{"error / sigma", {}, PlotStyle::kPoints};
@@ -62,7 +62,8 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
       seeds.push_back(static_cast<double>(record.seed));
       errors.points.emplace_back(seeds.back(), record.boresight_error_rad[i] / sigma);
     }
-    angles.push_back({names[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
+    angles.push_back(
+        {kRollPitchYaw[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
   }
   if (const auto svg =
           DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, SignalReceived)) {

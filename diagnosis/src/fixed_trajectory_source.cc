@@ -1,5 +1,6 @@
 #include "fixed_trajectory_source.h"
 
+#include <dn/axis_names.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/interrupted.h>
@@ -155,7 +156,7 @@ Eigen::VectorXd FixedTrajectorySource::StandardisedPlaces(const JointScore& scor
 std::vector<LocationStatistic> FixedTrajectorySource::Statistics() const {
   std::vector<LocationStatistic> statistics;
   for (const PairPlace& place : library_.places) {
-    for (const char* axis : {"east", "north", "up"}) {
+    for (const char* axis : kEnu) {
       statistics.push_back({"lidar", std::string("p2p ") + axis, place.location});
     }
   }

@@ -1,6 +1,7 @@
 #include <dn/adjustment/bias_correlation.h>
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/trajectory_sigma.h>
+#include <dn/axis_names.h>
 #include <dn/builder/node_grid.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
@@ -47,7 +48,6 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   const adjustment_internal::DiffusePriorFilter filter(adjustment);
   const FilterRun run = filter.Run(FilterDirection::kForward);
   const double settled_s = filter.times().front() + kSettleS;
-  const std::vector<std::string> axes{"east", "north", "up"};
   for (const bool velocity : {false, true}) {
     std::vector<double> t_s;
     std::vector<std::vector<double>> values(3);
@@ -63,7 +63,7 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
     if (t_s.empty()) continue;
     const std::string sensor = velocity ? "gnss velocity" : "gnss position";
     for (std::size_t a = 0; a < 3; ++a) {
-      result->innovations.push_back(DescribeSeries(sensor, axes[a], t_s, values[a]));
+      result->innovations.push_back(DescribeSeries(sensor, kEnu[a], t_s, values[a]));
     }
     (velocity ? result->nis_velocity : result->nis_position) =
         nis / static_cast<double>(t_s.size());
