@@ -45,7 +45,7 @@ std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
   for (int i = 0; i < 3; ++i) {
     panels[0].series.push_back(
         Curve(kEnu[i], sigma, [i](const TrajectorySigma& row) { return row.position_enu_m[i]; }));
-    panels[1].series.push_back(Curve(kRollPitchHeading[i], sigma, [i](const TrajectorySigma& row) {
+    panels[1].series.push_back(Curve(kAttitudeAngles[i], sigma, [i](const TrajectorySigma& row) {
       return row.rph_rad[i] * kDegPerRad;
     }));
     bias_panels[0].series.push_back(Curve(kXyz[i], biases, [i](const BiasEstimate& row) {
@@ -234,7 +234,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["gnss_errors"] = GnssErrorsJson(flight_run.adjustment(), flight_run.solution->marginals());
   report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment().network);
   report["stages"] = Json::array();
-  for (const StageReport& stage : flight_run.adjustment().stages) {
+  for (const StageSummary& stage : flight_run.adjustment().stages) {
     report["stages"].push_back({{"name", stage.name},
                                 {"iterations", stage.iterations},
                                 {"cost_before", stage.cost_before},

@@ -1,7 +1,7 @@
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/replicate_scenario.h>
-#include <dn/diagnosis/report.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

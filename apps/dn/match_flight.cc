@@ -5,7 +5,7 @@
 #include <dn/files/flight.h>
 #include <dn/files/strip_files.h>
 #include <dn/lidar/strip_io.h>
-#include <dn/matching/match_report.h>
+#include <dn/matching/match_output.h>
 #include <fmt/format.h>
 
 #include <utility>

@@ -1,11 +1,11 @@
 #include <dn/config/yaml_value.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/limits.h>
-#include <dn/diagnosis/report.h>
 #include <dn/diagnosis/result_files.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
 #include <dn/study/remedies.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,4 +1,4 @@
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/geo/local_frame.h>
 
 #include "effect_words.h"

@@ -1,6 +1,6 @@
 #include "unavailable.h"
 
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/effects/effect_table.h>
 
 #include <limits>

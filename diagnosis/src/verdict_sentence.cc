@@ -1,6 +1,6 @@
 #include <dn/builder/calibration_effect.h>
 #include <dn/diagnosis/adapt.h>
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/effects/effect_table.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/diagnosis/diagnosis.h>
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/geo/local_frame.h>
 
 #include <limits>

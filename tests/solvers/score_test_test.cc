@@ -74,9 +74,9 @@ struct OffsetChain {
   double SolveCost() {
     SolveOptions options;
     options.function_tolerance = 1e-16;
-    const SolveReport report = Solve(net, options);
-    EXPECT_TRUE(report.converged);
-    return report.final_cost;
+    const SolveSummary summary = Solve(net, options);
+    EXPECT_TRUE(summary.converged);
+    return summary.final_cost;
   }
 
   ScoreTest Test() { return TestEffects(Marginals(net), {Offset()}).front(); }

@@ -64,7 +64,7 @@ Section CorrelationsOverTime(const ResultFolder& folder) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t column = static_cast<std::size_t>(first) + 3 * angle + axis;
         chart.curves.push_back(
-            OnScreen({sensor + kXyz[axis], Column(*numbers, 0, numbers->row(0)[0]),
+            OnScreen({std::string(sensor) + kXyz[axis], Column(*numbers, 0, numbers->row(0)[0]),
                       Column(*numbers, column)}));
       }
     }

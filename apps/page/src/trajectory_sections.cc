@@ -84,7 +84,7 @@ void AddSeparation(const ResultFolder& folder, Section* section) {
   section->contents.emplace_back(Chart{
       OverTime("Forward minus reverse filter, position", "[m]", *separation, AxisNames(kEnu), 1)});
   section->contents.emplace_back(Chart{OverTime("Forward minus reverse filter, attitude", "[deg]",
-                                                *separation, AxisNames(kRollPitchHeading), 4)});
+                                                *separation, AxisNames(kAttitudeAngles), 4)});
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ Section TrajectorySection(const ResultFolder& folder) {
     section.contents.emplace_back(
         Chart{OverTime("Standard deviation of the position", "[m]", *sigma, AxisNames(kEnu), 1)});
     section.contents.emplace_back(Chart{OverTime("Standard deviation of the attitude", "[deg]",
-                                                 *sigma, AxisNames(kRollPitchHeading), 7)});
+                                                 *sigma, AxisNames(kAttitudeAngles), 7)});
   }
   AddSeparation(folder, &section);
   const Facts errors = folder.report()["reference_errors"];

@@ -1,6 +1,6 @@
 #include <dn/axis_names.h>
 #include <dn/geo/local_frame.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ StudyPlot TrajectoryPlot(const StudyResult& study) {
       return sigma.position_enu_m[i];
     }));
     panels[1].series.push_back(
-        Curve(kRollPitchHeading[i], study.trajectory,
+        Curve(kAttitudeAngles[i], study.trajectory,
               [=](const TrajectorySigma& sigma) { return sigma.rph_rad[i] * kDegPerRad; }));
   }
   return {"trajectory_sigma.svg", study.name + ": standard deviations of the trajectory",

@@ -1,7 +1,7 @@
 #include <dn/axis_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/report/wrapped.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 
 namespace dn {
