@@ -42,7 +42,7 @@ Json ScenariosJson(const std::vector<std::string>& scenarios) {
   Json names = Json::array();
   for (const std::string& scenario : scenarios) {
     ReadScenario(scenario);  // reports an invalid scenario before the first flight
-    const bool is_shipped = std::find(shipped.begin(), shipped.end(), scenario) != shipped.end();
+    const bool is_shipped = HasName(shipped, scenario);
     names.push_back(is_shipped ? Json(scenario) : Json{{scenario, ScenarioText(scenario)}});
   }
   return names;

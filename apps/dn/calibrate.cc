@@ -285,8 +285,7 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
 /// more.
 void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
                const PoseInterpolator& poses, Run* run) {
-  const std::vector<std::string>& staged = run->files().staged();
-  if (std::find(staged.begin(), staged.end(), "swaths.json") != staged.end()) return;
+  if (HasName(run->files().staged(), "swaths.json")) return;
   run->AddFile("swaths.json", FormatSwaths(MakeSwaths(FindStrips(flight), pairs, poses)));
 }
 

@@ -2,6 +2,7 @@
 #include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/limits.h>
 #include <dn/diagnosis/result_files.h>
+#include <dn/names.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
 #include <dn/study/remedies.h>
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <optional>
 
 #include "command.h"
@@ -37,9 +37,7 @@ struct StudyArguments {
 bool IsScenario(const std::string& what) {
   std::error_code none;
   if (std::filesystem::is_directory(what, none)) return false;
-  const std::vector<std::string> shipped = ScenarioNames();
-  const bool is_shipped = std::find(shipped.begin(), shipped.end(), what) != shipped.end();
-  if (is_shipped || !std::filesystem::exists(what, none)) return true;
+  if (HasName(ScenarioNames(), what) || !std::filesystem::exists(what, none)) return true;
   const YamlValue root = ParseYaml(ScenarioText(what), what);
   return root.IsMap() && !root["plan"].absent();
 }

@@ -161,7 +161,7 @@ TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
   const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
-  const JointScore given = ConditionOnComponents(score, {0, 1, 2});
+  const JointScore given = ConditionOn(score, Eigen::MatrixXd::Identity(score.s.size(), 3));
   chain.net.Hold(chain.offset, false);
   chain.SolveCost();
   const JointScore beside = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});

@@ -19,25 +19,26 @@
 namespace dn {
 namespace {
 
+Eigen::Vector3d Sigmas(const Eigen::Matrix3d& covariance) {
+  return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const LocalFrame& frame = network.flight().frame;
   const NodeBlocks& node = network.nodes()[k];
   const MapPose pose = network.trajectory().NodePose(k);
   const Eigen::Matrix3d R_enu_m = frame.R_m_enu(pose.p_mb).transpose();
-  const auto sigma = [](const Eigen::Matrix3d& covariance) {
-    return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
-  };
   const Eigen::Matrix3d rph_from_body =
       BodyFromEulerRates(ToNavPoint(pose, frame).q_nb.conjugate() * Eigen::Vector3d::UnitZ())
           .inverse();
   TrajectorySigma result;
   result.t_s = node.t_s;
   result.position_enu_m =
-      sigma(R_enu_m * marginals.DiagonalBlock(node.p_mb.id) * R_enu_m.transpose());
+      Sigmas(R_enu_m * marginals.DiagonalBlock(node.p_mb.id) * R_enu_m.transpose());
   result.velocity_enu_mps =
-      sigma(R_enu_m * marginals.DiagonalBlock(node.v_m.id) * R_enu_m.transpose());
+      Sigmas(R_enu_m * marginals.DiagonalBlock(node.v_m.id) * R_enu_m.transpose());
   result.rph_rad =
-      sigma(rph_from_body * marginals.DiagonalBlock(node.q_mb.id) * rph_from_body.transpose());
+      Sigmas(rph_from_body * marginals.DiagonalBlock(node.q_mb.id) * rph_from_body.transpose());
   return result;
 }
 
@@ -207,14 +208,10 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
     bias.t_s = t_s;
     bias.gyro_radps = network.trajectory().GyroBias(t_s);
     bias.accel_mps2 = network.trajectory().AccelBias(t_s);
-    bias.sigma_gyro_radps = TotalBiasCovariance(network.trajectory().gyro_bias(), t_s, marginals)
-                                .diagonal()
-                                .cwiseMax(0.0)
-                                .cwiseSqrt();
-    bias.sigma_accel_mps2 = TotalBiasCovariance(network.trajectory().accel_bias(), t_s, marginals)
-                                .diagonal()
-                                .cwiseMax(0.0)
-                                .cwiseSqrt();
+    bias.sigma_gyro_radps =
+        Sigmas(TotalBiasCovariance(network.trajectory().gyro_bias(), t_s, marginals));
+    bias.sigma_accel_mps2 =
+        Sigmas(TotalBiasCovariance(network.trajectory().accel_bias(), t_s, marginals));
     result.biases.push_back(bias);
   }
   result.figures = Figures(adjustment);
