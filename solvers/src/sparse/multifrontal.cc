@@ -10,14 +10,15 @@
 #include "sparse/triangular_solve.h"
 
 namespace dn::sparse {
-namespace {
-
-/// A run of consecutive source entries whose targets are also consecutive.
-struct Run {
+/// A run of consecutive source entries whose targets are also consecutive. A member of Multifrontal
+/// has this type, so it is not in an unnamed namespace.
+struct EntryRun {
   int from = 0;
   int to = 0;
   int length = 0;
 };
+
+namespace {
 
 /// Returns the index of each of `rows` within `among`, which contains them; both are ascending.
 std::vector<int> Places(const int* rows, int num_rows, const int* among) {
@@ -30,8 +31,8 @@ std::vector<int> Places(const int* rows, int num_rows, const int* among) {
   return place;
 }
 
-std::vector<Run> Runs(const std::vector<int>& place) {
-  std::vector<Run> runs;
+std::vector<EntryRun> Runs(const std::vector<int>& place) {
+  std::vector<EntryRun> runs;
   for (int i = 0; i < static_cast<int>(place.size()); ++i) {
     const int to = place[AsSize(i)];
     if (!runs.empty() && runs.back().to + runs.back().length == to) {
@@ -152,7 +153,7 @@ class Multifrontal::Front {
     /// Adds column j, from its diagonal downwards, to a column whose first entry is row first_row.
     void Add(int j, int first_row, double* column) const {
       const double* from = U + AsSize(j) * AsSize(size);
-      for (const Run& run : runs) {
+      for (const EntryRun& run : runs) {
         const int skip = std::max(0, j - run.from);
         for (int i = skip; i < run.length; ++i) {
           column[run.to - first_row + i] += from[run.from + i];
@@ -163,7 +164,7 @@ class Multifrontal::Front {
     int size;
     const double* U;
     std::vector<int> place;
-    std::vector<Run> runs;
+    std::vector<EntryRun> runs;
   };
 
   bool EliminatePanel(int k, int n, int threads) {
