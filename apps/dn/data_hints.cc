@@ -1,5 +1,6 @@
 #include "data_hints.h"
 
+#include <dn/axis_names.h>
 #include <dn/builder/gnss_factors.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
