@@ -73,7 +73,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
   Sensor sensor{units, {}, {}, {}};
   std::vector<std::vector<AllanPoint>> curves;
   for (int i = 0; i < 3; ++i) {
-    run->progress.Stage("Allan variance", fmt::format("{} {}", units.name, kXyz[i]));
+    run->progress().Stage("Allan variance", fmt::format("{} {}", units.name, kXyz[i]));
     if (SignalReceived()) throw dn::Interrupted();
     const std::vector<double> values = AxisValues(imu, gyro, i);
     Axis axis;
@@ -273,7 +273,7 @@ void AddPlot(const Sensor& sensor, Run* run) {
   if (const auto svg = DrawSvg("Allan deviation, " + name, "log10 cluster time [s]", panels)) {
     run->AddFile("allan_" + name + ".svg", *svg);
   } else {
-    run->progress.Warn("no plots: gnuplot is not installed or failed");
+    run->progress().Warn("no plots: gnuplot is not installed or failed");
   }
 }
 
@@ -312,7 +312,7 @@ void CheckRecord(const AllanArguments& options, const ImuData& imu) {
 }
 
 void Allan(const AllanArguments& options, Run& run) {
-  run.progress.Stage("reading " + options.file.string());
+  run.progress().Stage("reading " + options.file.string());
   ImuReadOptions read;
   read.format = options.format == "odyn" ? ImuFormat::kOdyn : ImuFormat::kIncrements;
   if (options.body == "FLU") read.R_imu_to_body.diagonal() << 1.0, -1.0, -1.0;
@@ -322,7 +322,7 @@ void Allan(const AllanArguments& options, Run& run) {
   std::vector<Sensor> sensors;
   sensors.push_back(Analyse(imu, kGyro, true, &run, &warnings));
   sensors.push_back(Analyse(imu, kAccel, false, &run, &warnings));
-  for (const std::string& warning : warnings) run.progress.Warn(warning);
+  for (const std::string& warning : warnings) run.progress().Warn(warning);
   const Json json = {{"schema", "dn.allan/1"},         {"file", options.file.string()},
                      {"values", imu.samples.size()},   {"rate_hz", 1.0 / imu.nominal_dt_s},
                      {"gyro", SensorJson(sensors[0])}, {"accel", SensorJson(sensors[1])}};
@@ -334,9 +334,9 @@ void Allan(const AllanArguments& options, Run& run) {
               fmt::format("file: {}\nrate_hz: {}\nformat: {}\nbody: {}\n", options.file.string(),
                           options.rate_hz, options.format, options.body));
   for (const Sensor& sensor : sensors) AddPlot(sensor, &run);
-  run.report["warnings"] = warnings;
-  run.report["counts"] = {{"imu epochs", imu.samples.size()},
-                          {"imu rows repeated, dropped", imu.repeated_rows_dropped}};
+  run.report()["warnings"] = warnings;
+  run.report()["counts"] = {{"imu epochs", imu.samples.size()},
+                            {"imu rows repeated, dropped", imu.repeated_rows_dropped}};
   PrintTable(sensors);
   fmt::print("\n{}", yaml);
 }

@@ -229,7 +229,7 @@ struct GaussHelmertRun {
 GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run* run) {
   GaussHelmertFlightOptions options;
   options.threads = run->options().threads;
-  options.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
+  options.progress = [run](const std::string& stage) { run->progress().Stage(stage); };
   options.interrupted = [] { return apps::SignalReceived(); };
   GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}, {}};
   out.check = AssessModel(flight, &out.calibration);
@@ -241,7 +241,7 @@ GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run
 }
 
 void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run* run) {
-  Json& report = run->report;
+  Json& report = run->report();
   report["flight"] = flight.config.name;
   report["seed"] = flight.config.lidar->pairs.seed;
   report["counts"] = flight.counts;
@@ -312,7 +312,7 @@ void RunNetwork(const FlightConfig& config, Run& run) {
 
 Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double* read_s,
                            Run* run) {
-  run->progress.Stage("reading " + config.folder.string());
+  run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.pairs = needs.trajectory = true;
   needs.imu = needs.gnss = with_network;
@@ -355,7 +355,7 @@ void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(config.name, planes.calibration, planes.check,
                                           planes.strips, planes.timings)));
-  run->report["planes"] = PlaneReportJson(planes);
+  run->report()["planes"] = PlaneReportJson(planes);
 }
 
 void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
@@ -364,16 +364,16 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
     throw InvalidInput(reason + ", and --method planes needs point clouds in " +
                        (config.folder / "strips").string());
   }
-  run.progress.Stage("reading " + config.folder.string());
+  run.progress().Stage("reading " + config.folder.string());
   const Flight flight = ReadFlight(config, {.trajectory = true});
-  run.report["flight"] = config.name;
+  run.report()["flight"] = config.name;
   const PlaneRun planes = CalibrateByPlanes(options, flight, &run);
   AddPlaneFiles(config, planes, "", &run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
-  run.report["counts"] = flight.counts;
-  run.report["timings_s"] = {{"read", planes.timings.read_s},
-                             {"solve", planes.timings.solve_s},
-                             {"covariance", planes.timings.covariance_s}};
+  run.report()["counts"] = flight.counts;
+  run.report()["timings_s"] = {{"read", planes.timings.read_s},
+                               {"solve", planes.timings.solve_s},
+                               {"covariance", planes.timings.covariance_s}};
   PrintResult(flight.config, planes);
   FailUnlessReliable({&planes.calibration.boresight});
 }
@@ -436,7 +436,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
     methods.emplace_back("planes", results.back());
   } else {
     absent.emplace_back("planes", planes.missing);
-    run.report["notes"] = {"planes: " + planes.missing};
+    run.report()["notes"] = {"planes: " + planes.missing};
   }
   run.AddFile("comparison.json", FormatJson(ComparisonJson(config.name, methods, absent)));
   PrintResult(*network.flight_run, network.boresight, network.unknowns);

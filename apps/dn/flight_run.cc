@@ -67,7 +67,7 @@ void AddPlots(const std::vector<Plot>& plots, Run* run) {
     if (plot.svg) {
       run->AddFile(plot.file, *plot.svg);
     } else {
-      run->progress.Warn(
+      run->progress().Warn(
           "no plots: gnuplot is not installed or failed; the numbers are in the text files");
     }
   }
@@ -107,11 +107,11 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
 
 /// Fills the report with the results of reading, so that a failed adjustment keeps them.
 void ReportReading(const FlightRun& flight_run, Run* run) {
-  run->report["flight"] = flight_run.flight.config.name;
-  run->report["counts"] = flight_run.flight.counts;
-  run->report["warnings"] = flight_run.hints;
-  run->report["timings_s"]["read"] = flight_run.timings.read_s;
-  for (const std::string& hint : flight_run.hints) run->progress.Warn(hint);
+  run->report()["flight"] = flight_run.flight.config.name;
+  run->report()["counts"] = flight_run.flight.counts;
+  run->report()["warnings"] = flight_run.hints;
+  run->report()["timings_s"]["read"] = flight_run.timings.read_s;
+  for (const std::string& hint : flight_run.hints) run->progress().Warn(hint);
 }
 
 std::vector<std::string> FormatHints(const Flight& flight, int threads) {
@@ -149,7 +149,7 @@ Json RejectedGnssJson(const FlightRun& flight_run) {
 
 std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run) {
   const Stopwatch watch;
-  run->progress.Stage("reading " + config.folder.string());
+  run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.imu = true;
   needs.gnss = true;
@@ -171,30 +171,31 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   options.with_pairs = with_pairs;
   options.threads = run->options().threads;
   options.progress = [run](const std::string& stage, int iterations) {
-    run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
+    run->progress().Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
   options.interrupted = [] { return apps::SignalReceived(); };
   Adjustment adjustment = AdjustNamingCauses(result->flight, options, result->hints);
   result->timings.solve_s = solve_watch.seconds();
 
   const Stopwatch covariance_watch;
-  run->progress.Stage("covariances");
+  run->progress().Stage("covariances");
   const Solution& solution = result->solution.emplace(std::move(adjustment), options.threads);
   solution.trajectory();
-  run->progress.Stage("model check");
+  run->progress().Stage("model check");
   solution.model_check();
   result->trajectory =
       Trajectory(DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads));
   result->timings.covariance_s = covariance_watch.seconds();
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
-                warnings.end(), [run](const std::string& warning) { run->progress.Warn(warning); });
+                warnings.end(),
+                [run](const std::string& warning) { run->progress().Warn(warning); });
   result->timings.total_s = read_s + solve_watch.seconds();
   return result;
 }
 
 void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
-  run->progress.Stage("writing " + run->options().out.string());
+  run->progress().Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment().network;
   const bool with_pairs = !network.pairs().edges().empty();
   auto plots = Beside(run->options().threads, [&] { return DrawPlots(flight_run); });
@@ -210,7 +211,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
 }
 
 void FillReport(const FlightRun& flight_run, Run* run) {
-  Json& report = run->report;
+  Json& report = run->report();
   report["flight"] = flight_run.flight.config.name;
   if (const auto& lidar = flight_run.flight.config.lidar) report["seed"] = lidar->pairs.seed;
   report["alignment"] = flight_run.adjustment().alignment_method;
