@@ -164,7 +164,7 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   for (std::size_t k = 0; k < from.size(); ++k) {
     touched.L.col(static_cast<Eigen::Index>(k)) = from[k].first->col(from[k].second);
   }
-  touched.L = linearized.ToRowScaling(rows, touched.L);
+  touched.L = ToRowScaling(linearized, rows, touched.L);
   touched.runs = Runs(touched.columns);
   return touched;
 }

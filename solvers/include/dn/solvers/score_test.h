@@ -35,7 +35,7 @@ struct ScoreTest {
 
 /// Computes Rao's score test of each effect separately, at the minimum of the cost, without solving
 /// the network again. L are the effect's columns, and r, J, N those of the network (rows weighted
-/// and scaled, see LinearizedNetwork::ToRowScaling):
+/// and scaled, see ToRowScaling):
 ///
 ///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
 ///
