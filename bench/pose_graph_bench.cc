@@ -82,8 +82,8 @@ void BM_SolveAndAllPoses(benchmark::State& state) {
       double* pose = graph.net.block(graph.poses[k]).value.get();
       pose[4 + k % 3] += kDisplacement_m;
     }
-    const SolveReport report = Solve(graph.net, {.sigma_tolerance = 1e-3});
-    if (!report.converged) state.SkipWithError(report.message.c_str());
+    const SolveSummary summary = Solve(graph.net, {.sigma_tolerance = 1e-3});
+    if (!summary.converged) state.SkipWithError(summary.message.c_str());
     benchmark::DoNotOptimize(ByMarginals(graph).size());
   }
   state.counters["poses"] = static_cast<double>(graph.poses.size());

@@ -114,15 +114,15 @@ void BM_Solve(benchmark::State& state, const std::string& size, bool undamped) {
     state.PauseTiming();
     Network net(truth);
     state.ResumeTiming();
-    const SolveReport report = Solve(net, {.function_tolerance = 1e-13,
-                                           .sigma_tolerance = 1e-3,
-                                           .initial_trust_region_radius = 1e13,
-                                           .start_undamped = undamped,
-                                           .second_attempt = false});
-    if (!report.converged) state.SkipWithError(report.message.c_str());
-    state.counters["iterations"] = report.iterations;
-    state.counters["cost"] = report.final_cost;
-    state.counters["parameters"] = report.adjusted.parameters;
+    const SolveSummary summary = Solve(net, {.function_tolerance = 1e-13,
+                                             .sigma_tolerance = 1e-3,
+                                             .initial_trust_region_radius = 1e13,
+                                             .start_undamped = undamped,
+                                             .second_attempt = false});
+    if (!summary.converged) state.SkipWithError(summary.message.c_str());
+    state.counters["iterations"] = summary.iterations;
+    state.counters["cost"] = summary.final_cost;
+    state.counters["parameters"] = summary.adjusted.parameters;
   }
 }
 BENCHMARK_CAPTURE(BM_Solve, 20min, "20min", true)->Unit(benchmark::kMillisecond);

@@ -24,14 +24,14 @@ int main() {
   level(a, c, 2.506);
   net.Hold(a);
 
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary summary = dn::Solve(net);
   const dn::Marginals marginals(net);
   for (const auto h : {b, c, d}) {
     std::printf("%s  height %.4f m  sigma %.2f mm\n", net.block(h.id).name.c_str(), net.Value(h),
                 1e3 * marginals.Sigma(h));
   }
-  std::printf("sigma0 %.2f of %ld redundant\n", report.adjusted.sigma0(),
-              report.adjusted.redundancy());
+  std::printf("sigma0 %.2f of %ld redundant\n", summary.adjusted.sigma0(),
+              summary.adjusted.redundancy());
 
   net.Hold(a, false);
   try {
@@ -39,5 +39,5 @@ int main() {
   } catch (const dn::RankDeficient& error) {
     std::printf("%s\n", error.what());
   }
-  return report.converged ? 0 : 1;
+  return summary.converged ? 0 : 1;
 }

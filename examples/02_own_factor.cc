@@ -45,10 +45,10 @@ int main() {
     }
   }
 
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary summary = dn::Solve(net);
   const Eigen::Vector3d sigma_rad = dn::MarginalSigma(net, q_bs);
   const double error_rad = dn::Log(net.Value(q_bs) * q_bs_true.conjugate()).norm();
   std::printf("converged %d, boresight error %.1e rad, sigma %.1e %.1e %.1e rad\n",
-              report.converged, error_rad, sigma_rad.x(), sigma_rad.y(), sigma_rad.z());
-  return report.converged ? 0 : 1;
+              summary.converged, error_rad, sigma_rad.x(), sigma_rad.y(), sigma_rad.z());
+  return summary.converged ? 0 : 1;
 }

@@ -3,6 +3,7 @@
 // Prints the true angles, and the estimates with their standard deviations. Also prints the
 // correlation of the boresight with the biases, and whether the data agree with the model.
 #include <dn/adjustment/words.h>
+#include <dn/axis_names.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/sim/simulate.h>
 
@@ -25,12 +26,11 @@ int main() {
               adjustment.alignment_method.c_str(), adjustment.network->nodes().size(),
               adjustment.outliers, adjustment.residual_initial_m, adjustment.residual_final_m);
   const Eigen::Vector3d sigma_rad = boresight.sigma_rad();
-  const char* names[] = {"roll", "pitch", "yaw"};
   double worst = 0.0;
   for (int i = 0; i < 3; ++i) {
     const double error_rad = boresight.angles_rad[i] - sim.boresight_rad[i];
     worst = std::max(worst, std::abs(error_rad) / sigma_rad[i]);
-    std::printf("%-5s  truth %.4f deg  estimate %.4f deg  sigma %.4f deg\n", names[i],
+    std::printf("%-5s  truth %.4f deg  estimate %.4f deg  sigma %.4f deg\n", dn::kRollPitchYaw[i],
                 dn::kDegPerRad * sim.boresight_rad[i], dn::kDegPerRad * boresight.angles_rad[i],
                 dn::kDegPerRad * sigma_rad[i]);
   }

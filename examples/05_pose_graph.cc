@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     }
   }
 
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary summary = dn::Solve(net);
   dn::Marginals marginals(net);
   marginals.ComputeSelectedInverse();
   std::map<double, int> by_sigma;
@@ -63,12 +63,12 @@ int main(int argc, char** argv) {
     by_sigma[std::sqrt(marginals.Covariance(pose).bottomRightCorner<3, 3>().trace())] = i;
   }
   std::printf("%zu poses, %d factors, %d iterations, sigma0 %.3f of %ld redundant\n", poses.size(),
-              net.num_factors(), report.iterations, report.adjusted.sigma0(),
-              report.adjusted.redundancy());
+              net.num_factors(), summary.iterations, summary.adjusted.sigma0(),
+              summary.adjusted.redundancy());
   for (const auto& [sigma_m, i] : {*++by_sigma.begin(), *by_sigma.rbegin()}) {
     const Eigen::Vector3d s = marginals.Covariance(poses[i]).diagonal().head<3>().cwiseSqrt();
     std::printf("pose %2d  sigma of the position %.3f m, of the rotation %.4f %.4f %.4f rad\n", i,
                 sigma_m, s.x(), s.y(), s.z());
   }
-  return report.converged ? 0 : 1;
+  return summary.converged ? 0 : 1;
 }

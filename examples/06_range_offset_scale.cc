@@ -36,7 +36,7 @@ int main() {
   const dn::FactorId known = net.Add([&](const auto& last) { return last - truth_m.back(); },
                                      dn::Noise<1>::Sigma(0.001), pillars.back());
 
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary summary = dn::Solve(net);
   const dn::Marginals marginals(net);
   const double sigma_o = marginals.Sigma(offset);
   const double sigma_s = marginals.Sigma(scale);
@@ -46,7 +46,7 @@ int main() {
               1e6 * sigma_s, 1e6 * (kScale - 1.0));
   std::printf("correlation %.2f, sigma0 %.2f\n",
               marginals.Covariance(offset, scale)(0, 0) / (sigma_o * sigma_s),
-              report.adjusted.sigma0());
+              summary.adjusted.sigma0());
 
   net.RemoveFactor(known);
   try {
@@ -54,5 +54,5 @@ int main() {
   } catch (const dn::RankDeficient& error) {
     std::printf("without the known length, %s\n", error.what());
   }
-  return report.converged ? 0 : 1;
+  return summary.converged ? 0 : 1;
 }

@@ -1,4 +1,5 @@
 #include <dn/adjustment/adjust.h>
+#include <dn/axis_names.h>
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/allan.h>
@@ -44,7 +45,6 @@ const SensorUnits kGyro{"gyro",        3600.0 * kDegPerRad, "deg/h",       60.0 
 const SensorUnits kAccel{"accel",       1e3 / kStandardGravityMps2, "mg",       60.0,
                          "m/s/sqrt(h)", "white_m_s_sqrt_h",         "sigma_mg", "sigma_mg_sqrt_h"};
 constexpr double kSqrtSecondsPerHour = 60.0;
-const char* const kAxes[] = {"x", "y", "z"};
 
 struct Axis {
   double mean = 0.0;  // SI
@@ -73,7 +73,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
   Sensor sensor{units, {}, {}, {}};
   std::vector<std::vector<AllanPoint>> curves;
   for (int i = 0; i < 3; ++i) {
-    run->progress.Stage("Allan variance", fmt::format("{} {}", units.name, kAxes[i]));
+    run->progress().Stage("Allan variance", fmt::format("{} {}", units.name, kXyz[i]));
     if (SignalReceived()) throw dn::Interrupted();
     const std::vector<double> values = AxisValues(imu, gyro, i);
     Axis axis;
@@ -84,14 +84,14 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
       throw InvalidInput(fmt::format(
           "{} {}: the sensor was not at rest, so the noise terms would include its motion; cut out "
           "a part at rest",
-          units.name, kAxes[i]));
+          units.name, kXyz[i]));
     }
     const double drift = DriftInSigmas(values, imu.nominal_dt_s, axis.fit);
     if (std::abs(drift) > kDriftSigmas) {
       warnings->push_back(fmt::format(
           "{} {}: the record drifts from its first to its last third by {:.3g} times the sigma of "
           "its stationary terms, perhaps with temperature; a fitted random walk may be this drift",
-          units.name, kAxes[i], std::abs(drift)));
+          units.name, kXyz[i], std::abs(drift)));
     }
     curves.push_back(axis.curve);
     sensor.axes.push_back(std::move(axis));
@@ -133,9 +133,9 @@ Json SensorJson(const Sensor& sensor) {
   Json json = {{"model", FitJson(sensor.fit, sensor.units)}};
   for (std::size_t i = 0; i < 3; ++i) {
     const Axis& axis = sensor.axes[i];
-    json[kAxes[i]] = {{"mean", sensor.units.rate_per_si * axis.mean},
-                      {"curve", CurveJson(axis.curve, sensor.units)},
-                      {"terms", FitJson(axis.fit, sensor.units)}};
+    json[kXyz[i]] = {{"mean", sensor.units.rate_per_si * axis.mean},
+                     {"curve", CurveJson(axis.curve, sensor.units)},
+                     {"terms", FitJson(axis.fit, sensor.units)}};
   }
   return json;
 }
@@ -181,7 +181,7 @@ void PrintTable(const std::vector<Sensor>& sensors) {
                fmt::format("white {}", u.white_unit), fmt::format("GM sigma {}", u.rate_unit),
                "GM tau s", fmt::format("walk {}/sqrt(h)", u.rate_unit), "floor");
     for (std::size_t i = 0; i < 3; ++i) {
-      fmt::print("  {:<4} {}\n", kAxes[i], Terms(sensor.axes[i].fit, u));
+      fmt::print("  {:<4} {}\n", kXyz[i], Terms(sensor.axes[i].fit, u));
     }
     fmt::print("  {:<4} {}\n", "all", Terms(sensor.fit, u));
   }
@@ -257,7 +257,7 @@ void AddPlot(const Sensor& sensor, Run* run) {
     return std::pair(std::log10(tau_s), std::log10(sensor.units.rate_per_si * std::sqrt(variance)));
   };
   for (std::size_t i = 0; i < 3; ++i) {
-    PlotSeries measured{kAxes[i], {}, PlotStyle::kPoints};
+    PlotSeries measured{kXyz[i], {}, PlotStyle::kPoints};
     for (const AllanPoint& p : sensor.axes[i].curve) {
       if (p.variance > 0.0) measured.points.push_back(point(p.tau_s, p.variance));
     }
@@ -273,7 +273,7 @@ void AddPlot(const Sensor& sensor, Run* run) {
   if (const auto svg = DrawSvg("Allan deviation, " + name, "log10 cluster time [s]", panels)) {
     run->AddFile("allan_" + name + ".svg", *svg);
   } else {
-    run->progress.Warn("no plots: gnuplot is not installed or failed");
+    run->progress().Warn("no plots: gnuplot is not installed or failed");
   }
 }
 
@@ -312,7 +312,7 @@ void CheckRecord(const AllanArguments& options, const ImuData& imu) {
 }
 
 void Allan(const AllanArguments& options, Run& run) {
-  run.progress.Stage("reading " + options.file.string());
+  run.progress().Stage("reading " + options.file.string());
   ImuReadOptions read;
   read.format = options.format == "odyn" ? ImuFormat::kOdyn : ImuFormat::kIncrements;
   if (options.body == "FLU") read.R_imu_to_body.diagonal() << 1.0, -1.0, -1.0;
@@ -322,7 +322,7 @@ void Allan(const AllanArguments& options, Run& run) {
   std::vector<Sensor> sensors;
   sensors.push_back(Analyse(imu, kGyro, true, &run, &warnings));
   sensors.push_back(Analyse(imu, kAccel, false, &run, &warnings));
-  for (const std::string& warning : warnings) run.progress.Warn(warning);
+  for (const std::string& warning : warnings) run.progress().Warn(warning);
   const Json json = {{"schema", "dn.allan/1"},         {"file", options.file.string()},
                      {"values", imu.samples.size()},   {"rate_hz", 1.0 / imu.nominal_dt_s},
                      {"gyro", SensorJson(sensors[0])}, {"accel", SensorJson(sensors[1])}};
@@ -334,9 +334,9 @@ void Allan(const AllanArguments& options, Run& run) {
               fmt::format("file: {}\nrate_hz: {}\nformat: {}\nbody: {}\n", options.file.string(),
                           options.rate_hz, options.format, options.body));
   for (const Sensor& sensor : sensors) AddPlot(sensor, &run);
-  run.report["warnings"] = warnings;
-  run.report["counts"] = {{"imu epochs", imu.samples.size()},
-                          {"imu rows repeated, dropped", imu.repeated_rows_dropped}};
+  run.report()["warnings"] = warnings;
+  run.report()["counts"] = {{"imu epochs", imu.samples.size()},
+                            {"imu rows repeated, dropped", imu.repeated_rows_dropped}};
   PrintTable(sensors);
   fmt::print("\n{}", yaml);
 }

@@ -42,7 +42,7 @@ Json ScenariosJson(const std::vector<std::string>& scenarios) {
   Json names = Json::array();
   for (const std::string& scenario : scenarios) {
     ReadScenario(scenario);  // reports an invalid scenario before the first flight
-    const bool is_shipped = std::find(shipped.begin(), shipped.end(), scenario) != shipped.end();
+    const bool is_shipped = HasName(shipped, scenario);
     names.push_back(is_shipped ? Json(scenario) : Json{{scenario, ScenarioText(scenario)}});
   }
   return names;
@@ -74,7 +74,7 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
   };
   const auto on_finished = [&](std::size_t k) {
     const std::string failure = FirstFailure(records[k]);
-    if (!failure.empty()) run->progress.Warn(fmt::format("flight {}: {}", numbers[k], failure));
+    if (!failure.empty()) run->progress().Warn(fmt::format("flight {}: {}", numbers[k], failure));
   };
   SimulateAll(numbers.size(), run, fly, on_finished);
   return records;
@@ -93,8 +93,8 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<BlindRecord> records =
       Fly(options, folder, BlindRecordReader(made_from), series.Numbers(), &run);
-  run.report["seed"] = options.seed;
-  run.report["series"] = SeriesToJson(series);
+  run.report()["seed"] = options.seed;
+  run.report()["series"] = SeriesToJson(series);
   AddBlindCheckResults(made_from, records, &run);
 }
 
@@ -129,7 +129,7 @@ void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, 
       DrawSvg("posterior of a cause: stated probability and observed frequency", "stated",
               {ReliabilityPanel(score)}, SignalReceived);
   if (!reliability) {
-    run->progress.Warn("no plots: gnuplot is not installed or failed");
+    run->progress().Warn("no plots: gnuplot is not installed or failed");
     return;
   }
   run->AddFile("reliability.svg", *reliability);
@@ -151,10 +151,10 @@ std::string ConfigText(const Json& made_from) {
 void AddBlindCheckResults(const Json& made_from, const std::vector<BlindRecord>& records,
                           Run* run) {
   const BlindScore score = ScoreBlindFlights(records);
-  run->report["counts"] = {{"flights", score.flights}, {"failures", score.failures.size()}};
-  run->report["timings_s"]["gap, median"] = score.diagnosis_time_s.median;
-  run->report["timings_s"]["gap, upper quartile"] = score.diagnosis_time_s.high;
-  run->report["timings_s"]["calibrate, median"] = score.calibration_time_s.median;
+  run->report()["counts"] = {{"flights", score.flights}, {"failures", score.failures.size()}};
+  run->report()["timings_s"]["gap, median"] = score.diagnosis_time_s.median;
+  run->report()["timings_s"]["gap, upper quartile"] = score.diagnosis_time_s.high;
+  run->report()["timings_s"]["calibrate, median"] = score.calibration_time_s.median;
   run->AddFile("config.resolved.yaml", ConfigText(made_from));
   run->AddFile("blind_check.json", FormatJson(ToJson(score)));
   run->AddFile("flights.csv", FormatCsv(records));

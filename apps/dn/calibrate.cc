@@ -1,6 +1,7 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
+#include <dn/axis_names.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
 #include <fmt/format.h>
@@ -24,18 +25,16 @@ struct CalibrateOptions {
 };
 
 void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
-                 const std::vector<std::string>& columns) {
-  const char* rows[] = {"roll", "pitch", "yaw"};
+                 const char* const (&columns)[3]) {
   fmt::print("{}\n  {:<6} {:>8} {:>8} {:>8}\n", title, "", columns[0], columns[1], columns[2]);
   for (int r = 0; r < 3; ++r) {
-    fmt::print("  {:<6} {:>8.1f} {:>8.1f} {:>8.1f}\n", rows[r], percent(r, 0), percent(r, 1),
-               percent(r, 2));
+    fmt::print("  {:<6} {:>8.1f} {:>8.1f} {:>8.1f}\n", kRollPitchYaw[r], percent(r, 0),
+               percent(r, 1), percent(r, 2));
   }
 }
 
 void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
                  const std::string& method) {
-  const char* names[] = {"roll", "pitch", "yaw"};
   const auto truth_deg = ReadTrueBoresightDeg(config.folder);
   const Eigen::Vector3d angles_deg = boresight.angles_rad * kDegPerRad;
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
@@ -44,7 +43,7 @@ void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
   fmt::print("  {:<6} {:>12} {:>12}{}\n", "", "estimate", "sigma",
              truth_deg ? fmt::format(" {:>12} {:>10}", "truth", "error/sigma") : "");
   for (int i = 0; i < 3; ++i) {
-    fmt::print("  {:<6} {:>12.6f} {:>12.6f}", names[i], angles_deg[i], sigma_deg[i]);
+    fmt::print("  {:<6} {:>12.6f} {:>12.6f}", kRollPitchYaw[i], angles_deg[i], sigma_deg[i]);
     if (truth_deg) {
       fmt::print(" {:>12.6f} {:>10.2f}", (*truth_deg)[i],
                  (angles_deg[i] - (*truth_deg)[i]) / sigma_deg[i]);
@@ -119,12 +118,11 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
                  const std::vector<UnknownEstimate>& unknowns) {
   PrintAngles(flight_run.flight.config, boresight, "");
   PrintUnknowns(unknowns);
-  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
-              {"roll", "pitch", "yaw"});
+  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(), kRollPitchYaw);
   PrintMatrix("with the accelerometer bias at the lidar barycentre [%]",
-              100.0 * boresight.accel_bias.at_barycentre, {"x", "y", "z"});
+              100.0 * boresight.accel_bias.at_barycentre, kXyz);
   PrintMatrix("with the gyro bias at the lidar barycentre [%]",
-              100.0 * boresight.gyro_bias.at_barycentre, {"x", "y", "z"});
+              100.0 * boresight.gyro_bias.at_barycentre, kXyz);
   fmt::print(
       "over the flight: accelerometer bias max {:.1f} rms {:.1f}, gyro bias max {:.1f} rms {:.1f} "
       "[%]\n",
@@ -165,8 +163,7 @@ void PrintSigmas(const BoresightResult& boresight, const CorrelatedErrorCovarian
   } else {
     print_sigmas("attitude error constant over the flight", constant_rad2.diagonal().cwiseSqrt());
   }
-  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
-              {"roll", "pitch", "yaw"});
+  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(), kRollPitchYaw);
 }
 
 void PrintFigures(const AdjustmentFigures& figures, const BoresightResult& boresight) {
@@ -253,7 +250,7 @@ struct GaussHelmertRun {
 GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run* run) {
   GaussHelmertFlightOptions options;
   options.threads = run->options().threads;
-  options.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
+  options.progress = [run](const std::string& stage) { run->progress().Stage(stage); };
   options.interrupted = [] { return apps::SignalReceived(); };
   GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}, {}};
   out.check = AssessModel(flight, &out.calibration);
@@ -265,7 +262,7 @@ GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run
 }
 
 void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run* run) {
-  Json& report = run->report;
+  Json& report = run->report();
   report["flight"] = flight.config.name;
   report["seed"] = flight.config.lidar->pairs.seed;
   report["counts"] = flight.counts;
@@ -310,8 +307,7 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
 /// more.
 void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
                const PoseInterpolator& poses, Run* run) {
-  const std::vector<std::string>& staged = run->files().staged();
-  if (std::find(staged.begin(), staged.end(), "swaths.json") != staged.end()) return;
+  if (HasName(run->files().staged(), "swaths.json")) return;
   run->AddFile("swaths.json", FormatSwaths(MakeSwaths(FindStrips(flight), pairs, poses)));
 }
 
@@ -338,7 +334,7 @@ void RunNetwork(const FlightConfig& config, Run& run) {
 
 Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double* read_s,
                            Run* run) {
-  run->progress.Stage("reading " + config.folder.string());
+  run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.pairs = needs.trajectory = true;
   needs.imu = needs.gnss = with_network;
@@ -381,7 +377,7 @@ void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(config.name, planes.calibration, planes.check,
                                           planes.strips, planes.timings)));
-  run->report["planes"] = PlaneReportJson(planes);
+  run->report()["planes"] = PlaneReportJson(planes);
 }
 
 void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
@@ -390,16 +386,16 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
     throw InvalidInput(reason + ", and --method planes needs point clouds in " +
                        (config.folder / "strips").string());
   }
-  run.progress.Stage("reading " + config.folder.string());
+  run.progress().Stage("reading " + config.folder.string());
   const Flight flight = ReadFlight(config, {.trajectory = true});
-  run.report["flight"] = config.name;
+  run.report()["flight"] = config.name;
   const PlaneRun planes = CalibrateByPlanes(options, flight, &run);
   AddPlaneFiles(config, planes, "", &run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
-  run.report["counts"] = flight.counts;
-  run.report["timings_s"] = {{"read", planes.timings.read_s},
-                             {"solve", planes.timings.solve_s},
-                             {"covariance", planes.timings.covariance_s}};
+  run.report()["counts"] = flight.counts;
+  run.report()["timings_s"] = {{"read", planes.timings.read_s},
+                               {"solve", planes.timings.solve_s},
+                               {"covariance", planes.timings.covariance_s}};
   PrintResult(flight.config, planes);
   FailUnlessReliable({&planes.calibration.boresight});
 }
@@ -462,7 +458,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
     methods.emplace_back("planes", results.back());
   } else {
     absent.emplace_back("planes", planes.missing);
-    run.report["notes"] = {"planes: " + planes.missing};
+    run.report()["notes"] = {"planes: " + planes.missing};
   }
   run.AddFile("comparison.json", FormatJson(ComparisonJson(config.name, methods, absent)));
   PrintResult(*network.flight_run, network.boresight, network.unknowns);

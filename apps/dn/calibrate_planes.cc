@@ -25,7 +25,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
   options.strips.threads = run->options().threads;
   options.strips.progress = [run](const std::string& stage) {
     if (SignalReceived()) throw dn::Interrupted();
-    run->progress.Stage(stage);
+    run->progress().Stage(stage);
   };
   SharedPlanes shared = FindSharedPlanes(flight, opened.source.get(), options);
   PlaneRun out;
@@ -39,13 +39,13 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                     {"after_balance", shared.planes.size()},
                     {"spacing_m", shared.spacing_m},
                     {"share_of_overlap", shared.share}};
-  run->report["planes"] = out.extraction;
+  run->report()["planes"] = out.extraction;
   out.timings.read_s = watch.seconds();
 
   GaussHelmertFlightOptions calibrate;
   calibrate.vectors = opened.origin;
   calibrate.threads = run->options().threads;
-  calibrate.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
+  calibrate.progress = [run](const std::string& stage) { run->progress().Stage(stage); };
   calibrate.interrupted = [] { return apps::SignalReceived(); };
   out.calibration = CalibratePlanes(flight, std::move(shared.planes), calibrate);
   out.check = AssessModel(flight, &out.calibration);

@@ -34,7 +34,7 @@ bool HasStripsAlone(const FlightConfig& config) {
 
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
                      const std::function<void(const FlightConfig&)>& calibrate) {
-  run.progress.Warn("no file of lidar.p2p exists: pairs are computed by matching the strips");
+  run.progress().Warn("no file of lidar.p2p exists: pairs are computed by matching the strips");
   const MatchedFlight matched =
       MatchFlightStrips(config, trajectory, MakeRunMatchOptions(run), kLastReturns, run);
   AddMatches(matched, run);

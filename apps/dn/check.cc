@@ -351,7 +351,7 @@ void Summarise(const Flight& flight, Json* json) {
 void Check(const CheckArguments& options, Run& run) {
   const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
   const Contents contents = ReadContents(config);
-  Json& report = run.report;
+  Json& report = run.report();
   report["flight"] = config.name;
   report["counts"] = contents.flight.counts;
   report["problems"] = contents.problems;

@@ -152,11 +152,11 @@ int StartableThreads(int wanted) {
 }  // namespace
 
 Run::Run(std::string command, const CommonOptions& options)
-    : progress(command, options.json_progress), command_(std::move(command)), options_(options) {
+    : command_(std::move(command)), options_(options), progress_(command_, options.json_progress) {
   if (options_.threads > 1) options_.threads = StartableThreads(options_.threads);
-  report = EmptyReport();
+  report_ = EmptyReport();
   if (options_.threads == options.threads) return;
-  progress.Warn(
+  progress_.Warn(
       fmt::format("only {} of {} threads can be started", options_.threads, options.threads));
 }
 
@@ -200,7 +200,7 @@ void Run::AddPage() {
   try {
     files_->Add(kPageName, ToHtml(MakePage(files_->staging())));
   } catch (const InvalidInput& error) {
-    progress.Warn(std::string("no report.html: ") + error.what());
+    progress_.Warn(std::string("no report.html: ") + error.what());
   }
 }
 
@@ -210,13 +210,13 @@ void Run::ReadsStrips() {
 }
 
 void Run::Publish() {
-  if (files_ && !report.contains("inputs")) report["inputs"] = InputFilesJson(options_.inputs);
+  if (files_ && !report_.contains("inputs")) report_["inputs"] = InputFilesJson(options_.inputs);
   if (!BeginPublishing()) throw dn::Interrupted();
-  report["timings_s"]["total"] = watch_.seconds();
+  report_["timings_s"]["total"] = watch_.seconds();
   if (!files_) return;
-  report["files"] = files_->staged();
-  report["files"].insert(report["files"].end(), {kReportName, kPageName});
-  files_->Add(kReportName, FormatJson(report));
+  report_["files"] = files_->staged();
+  report_["files"].insert(report_["files"].end(), {kReportName, kPageName});
+  files_->Add(kReportName, FormatJson(report_));
   AddPage();
   files_->Commit();
 }
@@ -225,8 +225,8 @@ void Run::PublishFailure(const std::string& kind, const std::string& message) {
   BeginReporting();
   if (!files_) return;
   files_->Discard();
-  report = FailureReport(std::move(report), kind, message);
-  files_->Add(kReportName, FormatJson(report));
+  report_ = FailureReport(std::move(report_), kind, message);
+  files_->Add(kReportName, FormatJson(report_));
   files_->Commit();
 }
 
@@ -238,7 +238,7 @@ int RunBody(Run& run, const std::function<void(Run&)>& body) {
     body(run);
     return 0;
   } catch (const FailedWithResults& error) {
-    run.report["error"] = {{"kind", error.kind()}, {"message", error.what()}};
+    run.report()["error"] = {{"kind", error.kind()}, {"message", error.what()}};
     Say("dn " + run.command() + ": error: " + error.what());
     return 1;
   }
@@ -264,7 +264,7 @@ int Execute(const std::string& command, const CommonOptions& options,
   try {
     run.TakeOutput();  // fails before the work instead of after it
     for (const std::filesystem::path& link : options.inputs.circular_links) {
-      run.progress.Warn("the link " + link.string() + " leads back to itself; it is ignored");
+      run.progress().Warn("the link " + link.string() + " leads back to itself; it is ignored");
     }
     const int exit_code = RunBody(run, body);
     run.Publish();

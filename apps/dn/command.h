@@ -84,8 +84,8 @@ class Run {
   /// TakeOutput was called.
   void PublishFailure(const std::string& kind, const std::string& message);
 
-  Json report;
-  Progress progress;
+  Json& report() { return report_; }
+  Progress& progress() { return progress_; }
   const CommonOptions& options() const { return options_; }
   const std::string& command() const { return command_; }
 
@@ -96,6 +96,8 @@ class Run {
 
   std::string command_;
   CommonOptions options_;
+  Json report_;
+  Progress progress_;
   std::unique_ptr<OutputDirectory> files_;
   Stopwatch watch_;
 };

@@ -1,5 +1,6 @@
 #include "data_hints.h"
 
+#include <dn/axis_names.h>
 #include <dn/builder/gnss_factors.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
@@ -236,8 +237,8 @@ std::string HintText(const AxesMistake& mistake) {
   }
   std::string reversed, exchanged;
   for (int axis = 0; axis < 3; ++axis) {
-    if (mistake.M(axis, axis) < 0.0) reversed += "xyz"[axis];
-    if (mistake.M(axis, axis) == 0.0) exchanged += "xyz"[axis];
+    if (mistake.M(axis, axis) < 0.0) reversed += kXyz[axis];
+    if (mistake.M(axis, axis) == 0.0) exchanged += kXyz[axis];
   }
   std::string what = "all signs reversed";
   if (!exchanged.empty())

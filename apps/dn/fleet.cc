@@ -26,7 +26,7 @@ class Fleet {
     try {
       for (std::size_t i = 1; i < workers; ++i) threads.emplace_back([this] { Work(); });
     } catch (const std::system_error&) {
-      run_->progress.Warn(
+      run_->progress().Warn(
           fmt::format("only {} of {} threads can be started", threads.size() + 1, workers));
     }
     Work();
@@ -44,8 +44,8 @@ class Fleet {
         fly_(k);
         const std::lock_guard lock(mutex_);
         landed_(k);
-        run_->progress.Stage(what_,
-                             Share{static_cast<double>(++done_), static_cast<double>(count_), ""});
+        run_->progress().Stage(
+            what_, Share{static_cast<double>(++done_), static_cast<double>(count_), ""});
       } catch (const dn::Interrupted&) {
         return;
       } catch (...) {

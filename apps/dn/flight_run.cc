@@ -3,6 +3,7 @@
 #include <dn/adjustment/gnss_errors.h>
 #include <dn/adjustment/left_out_gnss.h>
 #include <dn/adjustment/words.h>
+#include <dn/axis_names.h>
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
@@ -39,20 +40,18 @@ struct Plot {
 std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
   const std::vector<TrajectorySigma> sigma = flight_run.solution->CheckedSigmas();
   const auto& biases = flight_run.solution->trajectory().biases;
-  const char* enu[] = {"east", "north", "up"};
-  const char* rph[] = {"roll", "pitch", "heading"};
-  const char* xyz[] = {"x", "y", "z"};
   std::vector<PlotPanel> panels{{"position sigma [m]", {}}, {"attitude sigma [deg]", {}}};
   std::vector<PlotPanel> bias_panels{{"gyro bias [deg/h]", {}}, {"accelerometer bias [mg]", {}}};
   for (int i = 0; i < 3; ++i) {
     panels[0].series.push_back(
-        Curve(enu[i], sigma, [i](const TrajectorySigma& row) { return row.position_enu_m[i]; }));
-    panels[1].series.push_back(Curve(
-        rph[i], sigma, [i](const TrajectorySigma& row) { return row.rph_rad[i] * kDegPerRad; }));
-    bias_panels[0].series.push_back(Curve(xyz[i], biases, [i](const BiasEstimate& row) {
+        Curve(kEnu[i], sigma, [i](const TrajectorySigma& row) { return row.position_enu_m[i]; }));
+    panels[1].series.push_back(Curve(kAttitudeAngles[i], sigma, [i](const TrajectorySigma& row) {
+      return row.rph_rad[i] * kDegPerRad;
+    }));
+    bias_panels[0].series.push_back(Curve(kXyz[i], biases, [i](const BiasEstimate& row) {
       return row.gyro_radps[i] * kDegPerRad * 3600.0;
     }));
-    bias_panels[1].series.push_back(Curve(xyz[i], biases, [i](const BiasEstimate& row) {
+    bias_panels[1].series.push_back(Curve(kXyz[i], biases, [i](const BiasEstimate& row) {
       return row.accel_mps2[i] * 1e3 / kStandardGravityMps2;
     }));
   }
@@ -68,7 +67,7 @@ void AddPlots(const std::vector<Plot>& plots, Run* run) {
     if (plot.svg) {
       run->AddFile(plot.file, *plot.svg);
     } else {
-      run->progress.Warn(
+      run->progress().Warn(
           "no plots: gnuplot is not installed or failed; the numbers are in the text files");
     }
   }
@@ -108,11 +107,11 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
 
 /// Fills the report with the results of reading, so that a failed adjustment keeps them.
 void ReportReading(const FlightRun& flight_run, Run* run) {
-  run->report["flight"] = flight_run.flight.config.name;
-  run->report["counts"] = flight_run.flight.counts;
-  run->report["warnings"] = flight_run.hints;
-  run->report["timings_s"]["read"] = flight_run.timings.read_s;
-  for (const std::string& hint : flight_run.hints) run->progress.Warn(hint);
+  run->report()["flight"] = flight_run.flight.config.name;
+  run->report()["counts"] = flight_run.flight.counts;
+  run->report()["warnings"] = flight_run.hints;
+  run->report()["timings_s"]["read"] = flight_run.timings.read_s;
+  for (const std::string& hint : flight_run.hints) run->progress().Warn(hint);
 }
 
 std::vector<std::string> FormatHints(const Flight& flight, int threads) {
@@ -150,7 +149,7 @@ Json RejectedGnssJson(const FlightRun& flight_run) {
 
 std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run) {
   const Stopwatch watch;
-  run->progress.Stage("reading " + config.folder.string());
+  run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.imu = true;
   needs.gnss = true;
@@ -172,30 +171,31 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   options.with_pairs = with_pairs;
   options.threads = run->options().threads;
   options.progress = [run](const std::string& stage, int iterations) {
-    run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
+    run->progress().Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
   options.interrupted = [] { return apps::SignalReceived(); };
   Adjustment adjustment = AdjustNamingCauses(result->flight, options, result->hints);
   result->timings.solve_s = solve_watch.seconds();
 
   const Stopwatch covariance_watch;
-  run->progress.Stage("covariances");
+  run->progress().Stage("covariances");
   const Solution& solution = result->solution.emplace(std::move(adjustment), options.threads);
   solution.trajectory();
-  run->progress.Stage("model check");
+  run->progress().Stage("model check");
   solution.model_check();
   result->modelled = DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads);
   result->trajectory = Trajectory(solution.CheckedTrajectory(result->modelled));
   result->timings.covariance_s = covariance_watch.seconds();
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
-                warnings.end(), [run](const std::string& warning) { run->progress.Warn(warning); });
+                warnings.end(),
+                [run](const std::string& warning) { run->progress().Warn(warning); });
   result->timings.total_s = read_s + solve_watch.seconds();
   return result;
 }
 
 void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
-  run->progress.Stage("writing " + run->options().out.string());
+  run->progress().Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment().network;
   const bool with_pairs = !network.pairs().edges().empty();
   auto plots = Beside(run->options().threads, [&] { return DrawPlots(flight_run); });
@@ -210,7 +210,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
 }
 
 void FillReport(const FlightRun& flight_run, Run* run) {
-  Json& report = run->report;
+  Json& report = run->report();
   report["flight"] = flight_run.flight.config.name;
   if (const auto& lidar = flight_run.flight.config.lidar) report["seed"] = lidar->pairs.seed;
   report["alignment"] = flight_run.adjustment().alignment_method;
@@ -234,7 +234,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["gnss_errors"] = GnssErrorsJson(flight_run.adjustment(), flight_run.solution->marginals());
   report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment().network);
   report["stages"] = Json::array();
-  for (const StageReport& stage : flight_run.adjustment().stages) {
+  for (const StageSummary& stage : flight_run.adjustment().stages) {
     report["stages"].push_back({{"name", stage.name},
                                 {"iterations", stage.iterations},
                                 {"cost_before", stage.cost_before},

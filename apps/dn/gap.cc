@@ -1,7 +1,7 @@
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/replicate_scenario.h>
-#include <dn/diagnosis/report.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -47,7 +47,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   gap.effects = SplitAtCommas(options.effects);
   gap.left_out = SplitAtCommas(options.without);
   gap.progress = [run](const std::string& stage, double fraction) {
-    run->progress.Stage(stage, Share{fraction, 1.0, {}});
+    run->progress().Stage(stage, Share{fraction, 1.0, {}});
   };
   gap.interrupted = [] { return apps::SignalReceived(); };
   gap.Validate();
@@ -55,7 +55,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
 }
 
 Flight Read(const GapArguments& options, Run* run) {
-  run->progress.Stage("reading " + options.flight);
+  run->progress().Stage("reading " + options.flight);
   const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
   FlightNeeds needs;
   needs.imu = needs.gnss = config.imu.has_value() && config.gnss.has_value();
@@ -69,7 +69,8 @@ void AddPlots(const GapDiagnosis& diagnosis, Run* run) {
   for (const GapPlot& plot : GapPlots(diagnosis)) {
     const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalReceived);
     if (!svg) {
-      run->progress.Warn("no plots: gnuplot is not installed or failed; gap.json has the numbers");
+      run->progress().Warn(
+          "no plots: gnuplot is not installed or failed; gap.json has the numbers");
       return;
     }
     run->AddFile(plot.file, *svg);
@@ -96,7 +97,7 @@ void AddTwin(const Flight& flight, const GapResult& result, Run* run) {
 
 void FillReport(const GapArguments& options, const Flight& flight, const GapDiagnosis& diagnosis,
                 Run* run) {
-  Json& report = run->report;
+  Json& report = run->report();
   report["flight"] = flight.config.name;
   report["seed"] = options.seed;
   report["counts"] = flight.counts;
@@ -109,7 +110,7 @@ void RunGap(const GapArguments& options, Run& run) {
   const Flight flight = Read(options, &run);
   const GapResult result = Diagnose(flight, gap);
   const GapDiagnosis& diagnosis = result.diagnosis;
-  run.progress.Stage("writing " + options.common.out.string());
+  run.progress().Stage("writing " + options.common.out.string());
   const std::string summary = GapSummary(diagnosis);
   run.AddFile("gap.json", FormatJson(GapJson(diagnosis)));
   run.AddFile("summary.txt", summary);

@@ -74,8 +74,8 @@ Vector3d ParseAngles(const std::string& text) {
 
 StoredBoresight ReadBoresight(const JsonPlace& boresight) {
   StoredBoresight result;
-  result.angles_rad = boresight.At("angles_deg").FiniteVector3() * kRadPerDeg;
-  result.covariance_rad2 = boresight.At("covariance_deg2").Matrix3() * (kRadPerDeg * kRadPerDeg);
+  result.angles_rad = ReadFiniteVector3(boresight.At("angles_deg")) * kRadPerDeg;
+  result.covariance_rad2 = ReadMatrix3(boresight.At("covariance_deg2")) * (kRadPerDeg * kRadPerDeg);
   const bool finite = result.covariance_rad2.allFinite();
   if (!finite || result.covariance_rad2.llt().info() != Eigen::Success) {
     boresight.At("covariance_deg2").Fail("is not positive definite");
@@ -100,7 +100,7 @@ StoredBoresight ReadResult(const fs::path& file) {
 /// --anyway, and for absorbed angles, only warns.
 void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run& run) {
   if (result.verdict == Word(Verdict::kAbsorbed)) {
-    run.progress.Warn(
+    run.progress().Warn(
         "the result is absorbed: its angles make the points consistent with the data that it was "
         "computed from, but are not the mounting's; do not use them for another flight");
   }
@@ -113,7 +113,7 @@ void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run
   if (!given.anyway) {
     throw InvalidInput(what + "; correct the calibration, or add --anyway", where);
   }
-  run.progress.Warn(fmt::format("{} ({}); used because of --anyway", what, given.result));
+  run.progress().Warn(fmt::format("{} ({}); used because of --anyway", what, given.result));
 }
 
 void ExpectGeoreferenceable(const FlightConfig& config) {
@@ -171,7 +171,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
   if (result && !boresight_rad) boresight_rad = result->angles_rad;
   const bool own = HasTrajectory(config);
   ExpectTrajectory(given, own);
-  run.progress.Stage("reading " + config.folder.string());
+  run.progress().Stage("reading " + config.folder.string());
   Flight flight =
       ReadFlight(own ? config : WithTrajectory(config, given.trajectory), {.trajectory = true});
 
@@ -234,24 +234,24 @@ Json RegeoreferenceStrip(const StripGeoreferencer& georeferencer, const fs::path
                          const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
   const std::string name = file.filename().string();
   const std::string stage = "strip " + name;
-  run.progress.Stage(stage);
+  run.progress().Stage(stage);
   const auto reader = OpenStrip(file);
   const StripCrs crs = reader->crs();
   const std::optional<std::uint64_t> all = reader->points();
   const std::string warning = CheckStripCrs(crs, strips_crs, file);
-  if (!warning.empty()) run.progress.Warn(warning);
+  if (!warning.empty()) run.progress().Warn(warning);
   GeoreferencedStrip strip =
       georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
         if (SignalReceived()) throw dn::Interrupted();
         if (all) {
-          run.progress.Stage(
+          run.progress().Stage(
               stage, Share{static_cast<double>(points), static_cast<double>(*all), "points"});
         } else {
-          run.progress.Stage(stage, fmt::format("{} points", points));
+          run.progress().Stage(stage, fmt::format("{} points", points));
         }
       });
   const std::string assumed = VectorWarning(strip.origin, name);
-  if (!assumed.empty()) run.progress.Warn(assumed);
+  if (!assumed.empty()) run.progress().Warn(assumed);
   strip.swath.strip = file.stem().string();
   swaths->push_back(std::move(strip.swath));
   return StripJson(name, crs, strip);
@@ -291,12 +291,12 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
                                          PointCrs(config.strips_crs, georef.frame));
   Json strips = Json::array();
   std::vector<Swath> swaths;
-  Json& counts = run.report["counts"] = Json::object();
+  Json& counts = run.report()["counts"] = Json::object();
   for (const fs::path& file : files) {
     strips.push_back(RegeoreferenceStrip(georeferencer, file, config.strips_crs, &swaths, run));
     AddCounts(strips.back(), &counts);
   }
-  run.report["flight"] = config.name;
+  run.report()["flight"] = config.name;
   run.AddFile(
       "georef.json",
       FormatJson({{"schema", "dn.georef/1"},

@@ -65,7 +65,7 @@ void ExpectFolder(const fs::path& folder) {
 void Init(const InitArguments& options, Run& run) {
   const fs::path folder = options.folder;
   ExpectFolder(folder);
-  run.progress.Stage("looking at " + folder.string());
+  run.progress().Stage("looking at " + folder.string());
   const std::vector<FileContent> contents = LookAtFlightFolder(folder);
   FlightDraft draft(folder, contents);
   if (draft.empty()) {
@@ -88,7 +88,7 @@ void Init(const InitArguments& options, Run& run) {
   for (const std::string& text : draft.Missing()) fmt::print("missing  {}\n", text);
   fmt::print("wrote    {}\nnext     dn check {}\n", (folder / "flight.yaml").string(),
              QuoteForShell(folder.string()));
-  run.report["missing"] = draft.Missing();
+  run.report()["missing"] = draft.Missing();
 }
 
 }  // namespace

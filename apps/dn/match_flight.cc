@@ -5,7 +5,7 @@
 #include <dn/files/flight.h>
 #include <dn/files/strip_files.h>
 #include <dn/lidar/strip_io.h>
-#include <dn/matching/match_report.h>
+#include <dn/matching/match_output.h>
 #include <fmt/format.h>
 
 #include <utility>
@@ -31,7 +31,7 @@ void ExpectMatchable(const FlightConfig& config) {
 }
 
 void WarnIf(const std::string& warning, Run& run) {
-  if (!warning.empty()) run.progress.Warn(warning);
+  if (!warning.empty()) run.progress().Warn(warning);
 }
 
 /// Checks the strips and returns the least reliable origin of their laser vectors.
@@ -64,7 +64,7 @@ FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, R
   FlightPath path;
   const bool own = HasTrajectory(*config);
   if (own || !trajectory.empty()) {
-    run.progress.Stage("reading " + config->folder.string());
+    run.progress().Stage("reading " + config->folder.string());
     Flight flight =
         ReadFlight(own ? *config : WithTrajectory(*config, trajectory), {.trajectory = true});
     path.frame = flight.frame;
@@ -149,7 +149,7 @@ MatchOptions MakeRunMatchOptions(Run& run) {
   options.threads = run.options().threads;
   options.progress = [&run](const std::string& stage, const std::string& done) {
     if (SignalReceived()) throw dn::Interrupted();
-    run.progress.Stage(stage, done);
+    run.progress().Stage(stage, done);
   };
   return options;
 }
@@ -176,8 +176,8 @@ void AddMatchFiles(const std::string& name, const MatchResult& result, const Mat
   }
   run.AddFile("match.json", FormatJson(match));
   run.AddFile("swaths.json", FormatSwaths(result.swaths));
-  run.report["flight"] = name;
-  run.report["matching"] = match["counts"];
+  run.report()["flight"] = name;
+  run.report()["matching"] = match["counts"];
   Print(match);
 }
 

@@ -135,10 +135,10 @@ void Merge(const MergeArguments& options, Run& run) {
   const Shards shards = Gather(options.folders);
   const std::string& command = shards.series.command;
   const JsonPlace made_from(shards.made_from, shards.made_from_file);
-  run.progress.Stage("merging", fmt::format("{} flights", shards.series.flights));
+  run.progress().Stage("merging", fmt::format("{} flights", shards.series.flights));
   const fs::path folder = options.common.out / RecordFolderName(command);
-  run.report["series"] = SeriesToJson(shards.series);
-  run.report["inputs"] = ShardInputs(options.folders.front());
+  run.report()["series"] = SeriesToJson(shards.series);
+  run.report()["inputs"] = ShardInputs(options.folders.front());
   if (command == "monte-carlo") {
     const auto reader = FlightRecordReader(made_from);
     AddMonteCarloResults(shards.made_from, Records(shards, folder, reader), &run);

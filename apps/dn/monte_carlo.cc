@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/montecarlo/summary.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
@@ -47,12 +48,11 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
       fmt::format("{}: trajectory NEES over {} flights", scenario, summary.flights);
   const auto trajectory = DrawSvg(title, "time since the first node [s]", panels, SignalReceived);
   if (!trajectory) {
-    run->progress.Warn("no plots: gnuplot is not installed or failed");
+    run->progress().Warn("no plots: gnuplot is not installed or failed");
     return;
   }
   run->AddFile("trajectory_nees.svg", *trajectory);
   if (!summary.with_pairs) return;
-  const char* names[] = {"roll", "pitch", "yaw"};
   std::vector<PlotPanel> angles;
   for (int i = 0; i < 3; ++i) {
     PlotSeries errors{"error / sigma", {}, PlotStyle::kPoints};
@@ -63,7 +63,8 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
       seeds.push_back(static_cast<double>(record.seed));
       errors.points.emplace_back(seeds.back(), record.boresight_error_rad[i] / sigma);
     }
-    angles.push_back({names[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
+    angles.push_back(
+        {kRollPitchYaw[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
   }
   if (const auto svg =
           DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, SignalReceived)) {
@@ -90,7 +91,7 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
   };
   const auto on_finished = [&](std::size_t k) {
     if (records[k].failure.empty()) return;
-    run->progress.Warn(fmt::format("seed {}: {}", seeds[k], records[k].failure));
+    run->progress().Warn(fmt::format("seed {}: {}", seeds[k], records[k].failure));
   };
   SimulateAll(seeds.size(), run, fly, on_finished);
   return records;
@@ -110,8 +111,8 @@ void MonteCarlo(const MonteCarloArguments& options, Run& run) {
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<FlightRecord> records =
       Fly(options, scenario, folder, FlightRecordReader(made_from), series.Numbers(), &run);
-  run.report["seed"] = options.first_seed;
-  run.report["series"] = SeriesToJson(series);
+  run.report()["seed"] = options.first_seed;
+  run.report()["series"] = SeriesToJson(series);
   AddMonteCarloResults(made_from, records, &run);
 }
 
@@ -122,9 +123,9 @@ void AddMonteCarloResults(const Json& made_from, const std::vector<FlightRecord>
   const std::string text = made_from.at("scenario");
   const std::string name = ParseScenario(text, "scenario").name;
   const MonteCarloSummary summary = Summarise(records);
-  run->report["scenario"] = name;
-  run->report["counts"] = {{"flights", summary.flights}, {"failed", summary.failures}};
-  run->report["timings_s"]["flight"] = summary.mean_time_s;
+  run->report()["scenario"] = name;
+  run->report()["counts"] = {{"flights", summary.flights}, {"failed", summary.failures}};
+  run->report()["timings_s"]["flight"] = summary.mean_time_s;
   run->AddFile("config.resolved.yaml", text);
   run->AddFile("monte_carlo.json", FormatJson(ToJson(summary)));
   const std::string table = FormatTable(summary, name);

@@ -6,6 +6,7 @@
 #include <dn/files/flight.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/read_file.h>
+#include <dn/names.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -42,10 +43,6 @@ std::set<FileId> FileIds(const fs::path& folder, const std::vector<std::string>&
     if (const auto id = FindFileId(folder / name)) ids.insert(*id);
   }
   return ids;
-}
-
-bool Holds(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 void AddData(const fs::path& file, Inputs* inputs) {
@@ -163,7 +160,7 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool writes_fligh
   }
   std::error_code none;
   const bool flight = fs::exists(fs::symlink_status(out / "flight.yaml", none));
-  if (!flight || (writes_flight && Holds(earlier, "flight.yaml"))) return;
+  if (!flight || (writes_flight && HasName(earlier, "flight.yaml"))) return;
   throw InvalidConfig(
       fmt::format("--out {} is a flight folder: it contains a flight.yaml{}; give another folder",
                   out.string(), writes_flight ? " that dn simulate did not write" : ""));

@@ -26,7 +26,7 @@ CLI::Validator HtmlFile() {
 }
 
 void Report(const ReportArguments& options, Run& run) {
-  run.progress.Stage("reading results");
+  run.progress().Stage("reading results");
   Document document = MakePage({options.folders.begin(), options.folders.end()});
   if (std::filesystem::is_directory(options.file)) {
     throw InvalidConfig("--out " + options.file + " is a folder; give the file name of the page");

@@ -37,10 +37,10 @@ std::vector<std::vector<std::string>> LabelsIn(const JsonPlace& made_from) {
   const JsonPlace place = made_from.At("labels");
   std::vector<std::vector<std::string>> labels;
   for (const JsonPlace& key : place.Elements()) {
-    labels.push_back(key.Texts());
+    labels.push_back(ReadTexts(key));
     if (labels.back().empty()) key.Fail("is empty");
   }
-  if (labels.size() != made_from.At("keys").Texts().size()) {
+  if (labels.size() != ReadTexts(made_from.At("keys")).size()) {
     place.Fail("must have one list per key");
   }
   return labels;

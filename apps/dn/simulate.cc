@@ -26,7 +26,7 @@ Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
       WriteClouds(simulated, run.options().threads, run.files(),
                   [&](const StripInterval& strip, double fraction) {
                     if (SignalReceived()) throw dn::Interrupted();
-                    run.progress.Stage("strip " + strip.name, Share{fraction, 1.0, {}});
+                    run.progress().Stage("strip " + strip.name, Share{fraction, 1.0, {}});
                   });
   Json strips = Json::array();
   for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -45,23 +45,23 @@ void RunSimulate(const SimulateArguments& options, Run& run) {
   simulate.noise = !options.noise_free;
   simulate.progress = [&](const std::string& stage, double fraction) {
     if (SignalReceived()) throw dn::Interrupted();
-    run.progress.Stage(stage, Share{fraction, 1.0, {}});
+    run.progress().Stage(stage, Share{fraction, 1.0, {}});
   };
   const SimulatedFlight simulated = Simulate(scenario, simulate);
-  run.progress.Stage("writing " + options.common.out.string());
+  run.progress().Stage("writing " + options.common.out.string());
   const Flight& flight = simulated.flight;
   WriteFlight(simulated, run.files());
   const Json clouds = WriteStrips(simulated, run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   const std::size_t pairs = flight.pairs ? flight.pairs->pairs.size() : 0;
-  run.report["scenario"] = scenario.name;
-  run.report["seed"] = options.seed;
-  run.report["noise"] = !options.noise_free;
-  run.report["counts"] = {{"imu epochs", flight.imu->samples.size()},
-                          {"gnss epochs", flight.gnss->epochs.size()},
-                          {"pairs", pairs},
-                          {"strips", simulated.strips.size()}};
-  run.report["point_clouds"] = clouds;
+  run.report()["scenario"] = scenario.name;
+  run.report()["seed"] = options.seed;
+  run.report()["noise"] = !options.noise_free;
+  run.report()["counts"] = {{"imu epochs", flight.imu->samples.size()},
+                            {"gnss epochs", flight.gnss->epochs.size()},
+                            {"pairs", pairs},
+                            {"strips", simulated.strips.size()}};
+  run.report()["point_clouds"] = clouds;
   fmt::print("flight {}: {} inertial epochs, {} GNSS epochs, {} strips, {} pairs, seed {}\n",
              scenario.name, flight.imu->samples.size(), flight.gnss->epochs.size(),
              simulated.strips.size(), pairs, options.seed);

@@ -40,7 +40,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   const ModelCheck& check = flight_run->solution->model_check();
   AddTrajectoryFiles(*flight_run, &run);
   AddCovarianceFile(*flight_run, &run);
-  run.progress.Stage("forward and reverse filter");
+  run.progress().Stage("forward and reverse filter");
   const FilterSeparation separation = SeparateFilters(flight_run->adjustment());
   if (!separation.epochs.empty()) {
     run.AddFile("filter_separation.txt", FormatSeparation(separation));
@@ -51,7 +51,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   smooth["separation"] = SeparationJson(separation);
   run.AddFile("smooth.json", FormatJson(smooth));
   FillReport(*flight_run, &run);
-  PrintSmoothSummary(*flight_run, separation, run.report["reference_errors"]);
+  PrintSmoothSummary(*flight_run, separation, run.report()["reference_errors"]);
   if (check.contradicted()) ThrowContradicted(Words(check.findings.front()), "smooth.json");
 }
 

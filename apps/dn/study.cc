@@ -1,15 +1,15 @@
 #include <dn/config/yaml_value.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/limits.h>
-#include <dn/diagnosis/report.h>
 #include <dn/diagnosis/result_files.h>
+#include <dn/names.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
 #include <dn/study/remedies.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <optional>
 
 #include "command.h"
@@ -38,9 +38,7 @@ struct StudyArguments {
 bool IsScenario(const std::string& what) {
   std::error_code none;
   if (std::filesystem::is_directory(what, none)) return false;
-  const std::vector<std::string> shipped = ScenarioNames();
-  const bool is_shipped = std::find(shipped.begin(), shipped.end(), what) != shipped.end();
-  if (is_shipped || !std::filesystem::exists(what, none)) return true;
+  if (HasName(ScenarioNames(), what) || !std::filesystem::exists(what, none)) return true;
   const YamlValue root = ParseYaml(ScenarioText(what), what);
   return root.IsMap() && !root["plan"].absent();
 }
@@ -67,7 +65,7 @@ StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& d
   const Solution at_states = SolveAtStates(design, study.design.threads);
   StudyAndLimits result{Study(design, at_states), {}};
   if (options.no_limits || !result.study.observable()) return result;
-  run->progress.Stage("detectability of effects");
+  run->progress().Stage("detectability of effects");
   GapOptions gap;
   gap.threads = study.design.threads;
   gap.interrupted = study.design.interrupted;
@@ -77,15 +75,15 @@ StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& d
 
 StudyAndLimits StudyScenario(const StudyArguments& options, Run* run) {
   const Scenario scenario = ReadScenario(options.what);
-  run->progress.Stage("studying " + scenario.name);
-  run->report["seed"] = options.seed;
+  run->progress().Stage("studying " + scenario.name);
+  run->report()["seed"] = options.seed;
   const StudyOptions study = MakeOptions(options, *run);
   const StudyDesign design = MakeDesign(scenario, study.design);
   std::optional<RemedyTrials> remedies;
   if (study.remedies) remedies.emplace(scenario, design, study.design);
   StudyAndLimits result = StudyDesigned(options, design, study, run);
   if (remedies) {
-    run->progress.Stage("trying remedies");
+    run->progress().Stage("trying remedies");
     remedies->Finish(&result.study);
   }
   run->AddFile("config.resolved.yaml", FormatScenario(scenario));
@@ -93,14 +91,14 @@ StudyAndLimits StudyScenario(const StudyArguments& options, Run* run) {
 }
 
 StudyAndLimits StudyFlight(const StudyArguments& options, Run* run) {
-  run->progress.Stage("reading " + options.what);
+  run->progress().Stage("reading " + options.what);
   FlightNeeds needs;
   needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
   needs.optional = true;
   Flight flight = ReadFlight(options.what, needs);
   const std::string config = FormatFlightConfig(flight.config);
-  run->report["timings_s"]["read"] = flight.read_time_s;
-  run->progress.Stage("studying " + flight.config.name);
+  run->report()["timings_s"]["read"] = flight.read_time_s;
+  run->progress().Stage("studying " + flight.config.name);
   const StudyOptions study = MakeOptions(options, *run);
   StudyAndLimits result =
       StudyDesigned(options, MakeDesign(std::move(flight), study.design), study, run);
@@ -121,7 +119,7 @@ void AddPlots(const StudyResult& study, Run* run) {
   for (const StudyPlot& plot : StudyPlots(study)) {
     const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalReceived);
     if (!svg) {
-      run->progress.Warn(
+      run->progress().Warn(
           "no plots: gnuplot is not installed or failed; study.json has the numbers");
       return;
     }
@@ -132,15 +130,15 @@ void AddPlots(const StudyResult& study, Run* run) {
 void RunStudy(const StudyArguments& options, Run& run) {
   const auto [study, could_hide] =
       IsScenario(options.what) ? StudyScenario(options, &run) : StudyFlight(options, &run);
-  run.progress.Stage("writing " + options.common.out.string());
+  run.progress().Stage("writing " + options.common.out.string());
   const std::string summary = StudySummary(study) + DetectionLimitsSummary(could_hide, true);
   Json json = StudyJson(study);
   if (!could_hide.empty()) json["could_still_hide"] = DetectionLimitsJson(could_hide);
-  run.report["flight"] = study.name;
-  run.report["counts"] = {{"imu epochs", study.imu_epochs},
-                          {"gnss epochs", study.gnss_epochs},
-                          {"pairs", study.pairs},
-                          {"strips", study.geometry.strips.size()}};
+  run.report()["flight"] = study.name;
+  run.report()["counts"] = {{"imu epochs", study.imu_epochs},
+                            {"gnss epochs", study.gnss_epochs},
+                            {"pairs", study.pairs},
+                            {"strips", study.geometry.strips.size()}};
   run.AddFile("study.json", FormatJson(json));
   run.AddFile("summary.txt", summary);
   AddSeries(study, &run);

@@ -16,13 +16,13 @@ void RunLineChoice(const LineOptions& options, Run& run) {
   search_options.design.seed = options.seed;
   search_options.design.interrupted = [] { return SignalReceived(); };
   search_options.progress = [&](std::size_t studied) {
-    run.progress.Stage(stage, fmt::format("{} choices", studied));
+    run.progress().Stage(stage, fmt::format("{} choices", studied));
   };
-  run.progress.Stage(stage);
+  run.progress().Stage(stage);
   const LineSearch search = ChooseLines(candidates, search_options);
-  run.report["seed"] = options.seed;
-  run.report["flight"] = candidates.scenario.name;
-  run.report["counts"] = {{"lines", candidates.names.size()}, {"choices", search.studied.size()}};
+  run.report()["seed"] = options.seed;
+  run.report()["flight"] = candidates.scenario.name;
+  run.report()["counts"] = {{"lines", candidates.names.size()}, {"choices", search.studied.size()}};
   run.AddFile("config.resolved.yaml", text);
   run.AddFile("optimise.json", FormatJson(ToJson(candidates, search)));
   run.AddFile("designs.csv", LineSearchCsv(candidates, search));

@@ -33,7 +33,7 @@ std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder
   };
   const auto studied = [&](std::size_t k) {
     if (records[k].failure.empty()) return;
-    run->progress.Warn(fmt::format("design {}: {}", numbers[k], records[k].failure));
+    run->progress().Warn(fmt::format("design {}: {}", numbers[k], records[k].failure));
   };
   SimulateAll(numbers.size(), run, study, studied, "designs");
   return records;
@@ -78,13 +78,13 @@ void RunSweep(const SweepOptions& options, Run& run) {
   const RecordFolder folder(run.options().out / RecordFolderName(series.command), made_from);
   const std::vector<SweepRecord> records =
       StudyAll(sweep, folder, SweepRecordReader(made_from), series.Numbers(), &run);
-  run.report["series"] = SeriesToJson(series);
+  run.report()["series"] = SeriesToJson(series);
   AddSweepResults(made_from, records, &run);
 }
 
 void AddSweepResults(const Json& made_from, const std::vector<SweepRecord>& records, Run* run) {
   const std::vector<std::string> paths = made_from.at("keys").get<std::vector<std::string>>();
-  run->report["counts"] = {{"designs", records.size()}, {"singular", CountSingular(records)}};
+  run->report()["counts"] = {{"designs", records.size()}, {"singular", CountSingular(records)}};
   run->AddFile("config.resolved.yaml", made_from.at("sweep").get<std::string>());
   run->AddFile("base.yaml", made_from.at("base").get<std::string>());
   run->AddFile("sweep.csv", SweepCsv(paths, records));
@@ -94,7 +94,8 @@ void AddSweepResults(const Json& made_from, const std::vector<SweepRecord>& reco
   for (const StudyPlot& plot : SweepPlots(paths, records)) {
     const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalReceived);
     if (!svg) {
-      run->progress.Warn("no plots: gnuplot is not installed or failed; sweep.csv has the numbers");
+      run->progress().Warn(
+          "no plots: gnuplot is not installed or failed; sweep.csv has the numbers");
       break;
     }
     run->AddFile(plot.file, *svg);

@@ -1,5 +1,5 @@
 #include <dn/diagnosis/adapt.h>
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <fmt/format.h>

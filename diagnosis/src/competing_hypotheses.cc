@@ -1,5 +1,7 @@
 #include "competing_hypotheses.h"
 
+#include <dn/names.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -54,10 +56,6 @@ std::vector<std::string> CredibleSet(const std::vector<HypothesisEvidence>& effe
   return names;
 }
 
-bool Has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 double ProbabilityIn(const CompetingHypotheses& set, const std::string& name) {
   for (std::size_t k = 0; k < set.competing_effects.size(); ++k) {
     if (set.competing_effects[k].name == name) return set.posterior[k];
@@ -97,7 +95,7 @@ std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& s
   std::vector<std::string> names;
   for (const CompetingHypotheses& set : sets) {
     for (const std::string& name : set.credible_set) {
-      if (!Has(names, name)) names.push_back(name);
+      if (!HasName(names, name)) names.push_back(name);
     }
   }
   return names;

@@ -24,10 +24,6 @@ const Trajectory& FindPoses(const Flight& flight) {
   return flight.initial_guess ? *flight.initial_guess : *flight.reference;
 }
 
-LibraryOptions MakeLibraryOptions(const GapOptions& options) {
-  return {options.effects, options.left_out, options.threads};
-}
-
 }  // namespace
 
 bool HasPoses(const Flight& flight) {

@@ -199,7 +199,7 @@ DetectionLimit ComputeLimits(const Screen& screen, Mimicry* mimicry, const Effec
   limit.detectable_by_component = hypothesis.per_si * MinimalDetectableBiases(hypothesis, score);
   limit.minimal_detectable = detectable * unit;
   if (std::isfinite(detectable) && score.shift.rows() == 3) {
-    limit.boresight_shift_rad = detectable * SelectShift(hypothesis, score) * direction;
+    limit.boresight_rad = detectable * SelectShift(hypothesis, score) * direction;
   }
   const NamingTrials trials(screen, mimicry, middle, direction, threshold_nats);
   FindIdentifiable(trials, unit, seed, &limit);
@@ -218,7 +218,7 @@ std::vector<DetectionLimit> ComputeDetectionLimits(const Screen& screen, double 
     limits.push_back(ComputeLimits(screen, &mimicry, family, threshold_nats, seed));
   }
   std::stable_sort(limits.begin(), limits.end(), [](const auto& a, const auto& b) {
-    return a.boresight_shift_rad.norm() > b.boresight_shift_rad.norm();
+    return a.boresight_rad.norm() > b.boresight_rad.norm();
   });
   return limits;
 }

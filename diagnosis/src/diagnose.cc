@@ -1,7 +1,7 @@
 #include <dn/diagnosis/adapt.h>
 #include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/replicate_scenario.h>
-#include <dn/diagnosis/report.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/interrupted.h>
@@ -59,18 +59,18 @@ class Diagnosis {
   }
 
   GapResult Run() {
-    Report("adjusting", 0.0);
+    ShowProgress("adjusting", 0.0);
     std::unique_ptr<ExtendedFit> base = source_.Fit({});
     watch_.Lap("adjustment and screen");
     if (options_.depth == GapOptions::Depth::kLimits) return Limits(*base);
-    Report("replicates", 0.15);
+    ShowProgress("replicates", 0.15);
     before_ = source_.Compare(*base);
     watch_.Lap("twins");
     JudgeGap(*base);
     SelectEffects(std::move(base));
     watch_.Lap("attribution");
     if (selection_.final) {
-      Report("replicates with the effects", 0.8);
+      ShowProgress("replicates with the effects", 0.8);
       after_ = source_.Compare(*selection_.final);
       watch_.Lap("twins with the effects");
     }
@@ -81,11 +81,11 @@ class Diagnosis {
     MeasureHeldOut();
     const Trajectory trajectory = source_.MakeTrajectory(selection_.last());
     if (options_.depth == GapOptions::Depth::kFull && source_.adjusts()) {
-      Report("simulated replicates", 0.88);
+      ShowProgress("simulated replicates", 0.88);
       CompareSimulated(trajectory);
       watch_.Lap("simulated twins");
     }
-    Report("limits", 0.94);
+    ShowProgress("limits", 0.94);
     FillDetectionLimits(*selection_.base, Threshold());
     BreakTies(trajectory);
     AppendNotes(selection_.notes);
@@ -102,7 +102,7 @@ class Diagnosis {
     return WithLimits(flight_, std::move(out_));
   }
 
-  void Report(const std::string& stage, double fraction) const {
+  void ShowProgress(const std::string& stage, double fraction) const {
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
     if (options_.progress) options_.progress(stage, fraction);
   }
@@ -141,7 +141,7 @@ class Diagnosis {
       return source_.Refine(fit, effect);
     };
     policy.progress = [this](const std::string& stage, double fraction) {
-      Report(stage, 0.3 + 0.4 * fraction);
+      ShowProgress(stage, 0.3 + 0.4 * fraction);
     };
     return policy;
   }
@@ -235,7 +235,7 @@ class Diagnosis {
   /// Measures how much the causes improve the prediction of held-out data.
   void MeasureHeldOut() {
     if (!out_.shrinkage) return;
-    Report("held-out data", 0.85);
+    ShowProgress("held-out data", 0.85);
     const std::optional<HeldOutGains> gains = source_.HeldOut(*selection_.base, *selection_.final);
     watch_.Lap("data held out");
     if (!gains) return;
@@ -325,7 +325,7 @@ class Diagnosis {
   void BreakTies(const Trajectory& trajectory) {
     const std::vector<Tie> ties = FindTies(out_);
     if (options_.depth == GapOptions::Depth::kScreen || !source_.adjusts() || ties.empty()) return;
-    Report("how to separate the causes", 0.97);
+    ShowProgress("how to separate the causes", 0.97);
     std::vector<std::string> sentences;
     for (const Tie& tie : ties) {
       const std::string text = ProposeTieBreaker(
@@ -369,7 +369,7 @@ GapResult DiagnoseAvailableData(const Flight& flight, const GapOptions& options)
 }
 
 /// Turns a failed adjustment into the verdict `unavailable`.
-GapResult DiagnoseOrReportFailure(const Flight& flight, const GapOptions& options) {
+GapResult DiagnoseOrRecordFailure(const Flight& flight, const GapOptions& options) {
   try {
     return DiagnoseAvailableData(flight, options);
   } catch (const InvalidConfig&) {
@@ -409,7 +409,7 @@ void GapOptions::Validate() const {
 
 GapResult Diagnose(const Flight& flight, const GapOptions& options) {
   options.Validate();
-  return DiagnoseOrReportFailure(flight, options);
+  return DiagnoseOrRecordFailure(flight, options);
 }
 
 }  // namespace dn

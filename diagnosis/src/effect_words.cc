@@ -37,7 +37,7 @@ bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::I
 }
 
 double PossibleShift(const DetectionLimit& effect) {
-  const double shift = effect.boresight_shift_rad.norm();
+  const double shift = effect.boresight_rad.norm();
   return std::isfinite(shift) ? shift : std::numeric_limits<double>::infinity();
 }
 
@@ -52,7 +52,7 @@ std::string PWords(double p_value) {
 }
 
 bool HasBoresight(const GapDiagnosis& diagnosis) {
-  const auto moves = [](const auto& effect) { return !effect.boresight_shift_rad.isZero(0.0); };
+  const auto moves = [](const auto& effect) { return !effect.boresight_rad.isZero(0.0); };
   return std::any_of(diagnosis.causes.begin(), diagnosis.causes.end(), moves) ||
          std::any_of(diagnosis.could_still_hide.begin(), diagnosis.could_still_hide.end(), moves);
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "gauss_helmert_effects.h"
 #include "linear_pairs.h"
@@ -15,10 +16,10 @@
 namespace dn {
 namespace {
 
-/// Compares the sum of squares of an adjustment with its expectation under the stated,
-/// time-correlated errors of the trajectory.
-GroupCheck MakeGroupCheck(const char* name, long observations, const AdjustmentFigures& figures,
-                          const CorrelatedErrorCovariance& scatter) {
+/// Starts the check of an adjustment with its only group. Compares the sum of squares with its
+/// expectation under the stated, time-correlated errors of the trajectory.
+ModelCheck StartCheck(const char* name, long observations, const AdjustmentFigures& figures,
+                      const CorrelatedErrorCovariance& scatter) {
   const auto redundancy = static_cast<double>(figures.redundancy);
   GroupCheck group;
   group.name = name;
@@ -29,7 +30,11 @@ GroupCheck MakeGroupCheck(const char* name, long observations, const AdjustmentF
   const double dof = scatter.expected_dof > 0.0 ? scatter.expected_dof : std::max(1.0, redundancy);
   const double above = ChiSquareTail(dof * group.variance_ratio, dof);
   group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
-  return group;
+  ModelCheck check;
+  check.of_boresight = true;
+  check.groups.push_back(std::move(group));
+  check.sigma0_with_effects = figures.sigma0 / std::sqrt(scatter.expected_ratio);
+  return check;
 }
 
 /// Tests the stated prior against the boresight from the pairs alone, with the reliable covariance
@@ -67,29 +72,22 @@ ModelCheck CheckAndAssess(const Flight& flight, Calibration* calibration) {
 ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calibration) {
   const diagnosis_internal::GaussHelmertEffects found =
       diagnosis_internal::FindEffects(flight, FindStrips(flight), calibration);
-  ModelCheck check;
-  check.of_boresight = true;
-  check.groups.push_back(MakeGroupCheck("lidar p2p", 3 * calibration.figures.correspondences,
-                                        calibration.figures, calibration.scatter));
+  ModelCheck check = StartCheck("lidar p2p", 3 * calibration.figures.correspondences,
+                                calibration.figures, calibration.scatter);
   if (const auto prior = CheckStatedPrior(calibration)) check.priors.push_back(*prior);
   check.unmodelled = found.unmodelled;
   check.effects = found.effects;
   check.discrepancies = found.discrepancies;
   check.groups.front().ratio_with_effects *= found.share_left;
-  check.sigma0_with_effects =
-      calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);
+  check.sigma0_with_effects *= std::sqrt(found.share_left);
   check.p_value = check.SmallestPValue();
   diagnosis_internal::AddFindings(flight, calibration, &check);
   return check;
 }
 
 ModelCheck CheckModel(const Flight& flight, const PlaneCalibration& calibration) {
-  const CorrelatedErrorCovariance& scatter = calibration.scatter.trajectory;
-  ModelCheck check;
-  check.of_boresight = true;
-  check.groups.push_back(MakeGroupCheck("lidar planes", calibration.figures.correspondences,
-                                        calibration.figures, scatter));
-  check.sigma0_with_effects = calibration.figures.sigma0 / std::sqrt(scatter.expected_ratio);
+  ModelCheck check = StartCheck("lidar planes", calibration.figures.correspondences,
+                                calibration.figures, calibration.scatter.trajectory);
   check.p_value = check.SmallestPValue();
   diagnosis_internal::AddFindings(flight, calibration, &check);
   return check;

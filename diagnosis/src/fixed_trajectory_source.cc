@@ -1,5 +1,6 @@
 #include "fixed_trajectory_source.h"
 
+#include <dn/axis_names.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/interrupted.h>
@@ -83,12 +84,11 @@ FixedTrajectorySource::FixedTrajectorySource(const Flight& flight, const GapOpti
       calibration_(Calibrate(flight, options)),
       strips_(FindStrips(flight)),
       pairs_(LinearisePairs(flight, calibration_)),
-      library_(MakeLibrary(flight, pairs_, strips_,
-                           {options.effects, options.left_out, options.threads})),
+      library_(MakeLibrary(flight, pairs_, strips_, MakeLibraryOptions(options))),
       fitter_(library_, pairs_, strips_, ScreensNoise()) {}
 
 bool FixedTrajectorySource::Wanted(EffectId effect) const {
-  return LibraryOptions{options_.effects, options_.left_out, 1}.Wanted(effect);
+  return MakeLibraryOptions(options_).Wanted(effect);
 }
 
 /// Returns whether the noise of the pairs is screened. A robust loss also reduces the weight of
@@ -155,7 +155,7 @@ Eigen::VectorXd FixedTrajectorySource::StandardisedPlaces(const JointScore& scor
 std::vector<LocationStatistic> FixedTrajectorySource::Statistics() const {
   std::vector<LocationStatistic> statistics;
   for (const PairPlace& place : library_.places) {
-    for (const char* axis : {"east", "north", "up"}) {
+    for (const char* axis : kEnu) {
       statistics.push_back({"lidar", std::string("p2p ") + axis, place.location});
     }
   }

@@ -20,8 +20,8 @@ void ForwardSelection::Grow() {
   while (out_.chosen.size() < policy_.most) {
     const HypothesisEvidence* best = Next(out_.last().effects);
     if (best == nullptr || best->log_evidence < policy_.threshold_nats) break;
-    Report("with " + best->name,
-           static_cast<double>(out_.chosen.size()) / static_cast<double>(policy_.most));
+    ShowProgress("with " + best->name,
+                 static_cast<double>(out_.chosen.size()) / static_cast<double>(policy_.most));
     out_.explained_nats += best->log_evidence;
     out_.chosen.push_back(Refined(out_.last(), *best));
     if (!policy_.refits) break;
@@ -36,7 +36,7 @@ void ForwardSelection::Grow() {
 void ForwardSelection::Revise() {
   for (std::size_t k = 0; k + 1 < out_.chosen.size(); ++k) {
     const std::string& name = out_.chosen[k].name;
-    Report("without " + name, 1.0);
+    ShowProgress("without " + name, 1.0);
     const ExtendedFit* others = FitWithout(k);
     const HypothesisEvidence* best = others ? Next(others->effects) : nullptr;
     if (best == nullptr) continue;
@@ -80,7 +80,7 @@ HypothesisEvidence ForwardSelection::Refined(const ExtendedFit& fit,
   return policy_.refine ? policy_.refine(fit, effect) : effect;
 }
 
-void ForwardSelection::Report(const std::string& stage, double fraction) const {
+void ForwardSelection::ShowProgress(const std::string& stage, double fraction) const {
   if (policy_.progress) policy_.progress(stage, fraction);
 }
 

@@ -73,7 +73,7 @@ class ForwardSelection {
  private:
   const HypothesisEvidence* Next(const std::vector<HypothesisEvidence>& effects) const;
   HypothesisEvidence Refined(const ExtendedFit& fit, const HypothesisEvidence& effect) const;
-  void Report(const std::string& stage, double fraction) const;
+  void ShowProgress(const std::string& stage, double fraction) const;
   std::unique_ptr<ExtendedFit> TryFit(const std::vector<HypothesisEvidence>& chosen);
   void ReconsiderNoise();
   std::vector<HypothesisEvidence> Without(std::size_t k) const;

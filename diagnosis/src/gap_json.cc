@@ -1,4 +1,4 @@
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/geo/local_frame.h>
 
 #include "effect_words.h"
@@ -58,7 +58,7 @@ Json Cause(const GapCause& cause) {
   }
   if (cause.times.t0_s) json["t0_s"] = Number(*cause.times.t0_s);
   json["absorbed_fraction"] = Number(cause.absorbed_fraction);
-  json["boresight_damage_mdeg"] = List(Vector3d(kMdegPerRad * cause.boresight_shift_rad));
+  json["boresight_damage_mdeg"] = List(Vector3d(kMdegPerRad * cause.boresight_rad));
   json["inseparable_from"] = cause.inseparable_from;
   json["held_out_gain_nats"] = Number(cause.held_out_gain_nats);
   json["shrinkage"] = Number(cause.shrinkage);

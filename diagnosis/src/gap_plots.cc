@@ -1,4 +1,4 @@
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/geo/local_frame.h>
+#include <dn/names.h>
 #include <dn/report/wrapped.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -60,16 +61,13 @@ std::string PlaceLines(const GapDiagnosis& d) {
 /// Returns the shifts of roll, pitch and yaw, mdeg.
 std::string Moves(const GapDiagnosis& d, const GapCause& cause) {
   if (!diagnosis_internal::HasBoresight(d)) return "";
-  if (cause.boresight_shift_rad.isZero(0.0)) return "-";
-  const std::string words = diagnosis_internal::MdegWords(cause.boresight_shift_rad);
+  if (cause.boresight_rad.isZero(0.0)) return "-";
+  const std::string words = diagnosis_internal::MdegWords(cause.boresight_rad);
   return words.substr(0, words.rfind(' '));
 }
 
 std::string Mark(const GapVerdict& verdict, const std::string& effect) {
-  const auto holds = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), effect) != names.end();
-  };
-  return holds(verdict.effects) ? "*" : holds(verdict.credible_set) ? "?" : " ";
+  return HasName(verdict.effects, effect) ? "*" : HasName(verdict.credible_set, effect) ? "?" : " ";
 }
 
 /// Returns the log evidence in nine columns.

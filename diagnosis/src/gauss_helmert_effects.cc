@@ -27,8 +27,8 @@ constexpr int kWhiteSteps = 2;
 constexpr double kNoExcess = 1.0;
 
 /// Scales as numbers of steps from the stated scales.
-struct ScaleSteps {
-  int position = 0, attitude = 0, white = 0;
+struct ScaleSteps : ErrorOctaves {
+  int white = 0;
   auto operator<=>(const ScaleSteps&) const = default;
 };
 
@@ -47,7 +47,7 @@ class ScaleSearch {
       : errors_(errors), library_(library), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
-    const ScaleSteps noisy{0, 0, MaxWhiteSteps()};
+    const ScaleSteps noisy{{}, MaxWhiteSteps()};
     const ScaleSteps alone = Climb(noisy, &ScaleEvidence::errors_nats);
     for (const ScaleSteps start : {ScaleSteps{}, noisy, alone}) {
       const ScaleSteps top = Climb(start, &ScaleEvidence::total_nats);
@@ -61,8 +61,7 @@ class ScaleSearch {
 
  private:
   ErrorScale ToErrorScale(const ScaleSteps& steps) const {
-    return {std::exp2(steps.position), std::exp2(steps.attitude),
-            std::pow(sigma0_, static_cast<double>(steps.white) / kWhiteSteps)};
+    return steps.Scale(std::pow(sigma0_, static_cast<double>(steps.white) / kWhiteSteps));
   }
 
   const ScaleEvidence& At(const ScaleSteps& steps) {
@@ -70,7 +69,7 @@ class ScaleSearch {
     if (known != known_.end()) return known->second;
     TimeCorrelatedErrorModel::ScaleSolution at = errors_.At(ToErrorScale(steps));
     ScaleEvidence evidence;
-    evidence.errors_nats = at.log_likelihood + LogScalePrior(steps.position, steps.attitude);
+    evidence.errors_nats = at.log_likelihood + steps.LogPrior();
     double effect_nats = 0.0, effects = 0.0;
     for (const Hypothesis& hypothesis : library_.hypotheses) {
       if (!hypothesis.id) continue;

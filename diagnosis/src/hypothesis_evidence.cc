@@ -1,9 +1,30 @@
 #include "hypothesis_evidence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace dn::diagnosis_internal {
+
+HypothesisEvidence MakeEvidence(EffectId id, double log_evidence, const Eigen::VectorXd& estimate,
+                                const Eigen::VectorXd& sigma) {
+  const double p_value = std::exp(-std::max(0.0, log_evidence));
+  return {MakeHypothesis(id), {log_evidence, p_value, estimate, sigma}};
+}
+
+void SetProcess(const ProcessEstimate& process, HypothesisEvidence* effect) {
+  const EffectSpec& spec = EffectRow(*effect->id);
+  const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
+  effect->estimate.resize(last + 1);
+  effect->sigma.resize(last + 1);
+  for (Eigen::Index k = 0; k < last; ++k) {
+    const double typical = spec.components[static_cast<std::size_t>(k)].typical_si();
+    effect->estimate[k] = process.size * typical;
+    effect->sigma[k] = process.size_sigma * typical;
+  }
+  effect->estimate[last] = process.tau_s;
+  effect->sigma[last] = process.tau_sigma_s;
+}
 
 void SortByEvidence(std::vector<HypothesisEvidence>* effects) {
   std::stable_sort(effects->begin(), effects->end(),
@@ -52,13 +73,9 @@ const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& ef
 GapCause ToCause(const HypothesisEvidence& effect) {
   GapCause cause;
   cause.effect = effect.name;
+  static_cast<EffectEvidence&>(cause) = effect;
   cause.times = effect.times;
-  cause.log_evidence = effect.log_evidence;
-  cause.p_value = effect.p_value;
   cause.absorbed_fraction = effect.absorbed;
-  cause.boresight_shift_rad = effect.boresight_rad;
-  cause.estimate = effect.estimate;
-  cause.sigma = effect.sigma;
   const EffectSpec* spec = FindEffect(effect.name);
   if (spec == nullptr) return cause;
   cause.unit = spec->components[0].unit;

@@ -8,22 +8,25 @@
 #include <vector>
 
 #include "hypothesis.h"
+#include "time_constant.h"
 
 namespace dn::diagnosis_internal {
 
 /// A hypothesis with its evidence. Of several hypotheses with one name, it is the one whose window,
-/// start and time constant explain the data best. SI.
-struct HypothesisEvidence : Hypothesis {
-  double log_evidence = 0.0;      ///< averaged over sizes, windows and time constants
-  double p_value = 1.0;           ///< of this hypothesis, times the number of tests
-  double statistic = 0.0;         ///< chi-square; 0 for a process
-  Eigen::VectorXd estimate = {};  ///< for a process: sigmas, then tau
-  Eigen::VectorXd sigma = {};     ///< NaN for a tau
-  double absorbed = 0.0;          ///< fraction of the signature that the unknowns absorb
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+/// start and time constant explain the data best. SI. Its p-value is times the number of tests.
+struct HypothesisEvidence : Hypothesis, EffectEvidence {
+  double statistic = 0.0;  ///< chi-square; 0 for a process
+  double absorbed = 0.0;   ///< fraction of the signature that the unknowns absorb
 
   bool physical() const { return id.has_value(); }
 };
+
+/// Returns the evidence of a noise effect or outliers, with the p-value that follows from it.
+HypothesisEvidence MakeEvidence(EffectId id, double log_evidence, const Eigen::VectorXd& estimate,
+                                const Eigen::VectorXd& sigma);
+
+/// Sets the estimate of a process to its sizes and its time constant.
+void SetProcess(const ProcessEstimate& process, HypothesisEvidence* effect);
 
 /// Sorts effects by evidence, most probable first.
 void SortByEvidence(std::vector<HypothesisEvidence>* effects);

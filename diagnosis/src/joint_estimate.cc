@@ -11,10 +11,6 @@ bool IsFixed(const HypothesisEvidence& effect) {
 
 }  // namespace
 
-ScoreTest JointColumns::Test(const JointScore& score) const {
-  return TestScore(Score(score), Information(score), T.cwiseAbs2().transpose() * score.signature2);
-}
-
 JointColumns CombineFixed(const std::vector<HypothesisEvidence>& effects, const JointScore& score) {
   JointColumns out;
   out.T.resize(score.s.size(), 0);
@@ -31,17 +27,6 @@ JointColumns CombineFixed(const std::vector<HypothesisEvidence>& effects, const 
     out.typical.tail(n) = effect.typical;
   }
   return out;
-}
-
-JointScore WithUnknowns(const JointScore& score, const JointColumns& columns) {
-  if (columns.T.cols() == 0) return score;
-  const ScoreTest test = columns.Test(score);
-  const Eigen::MatrixXd AT = score.A * columns.T;
-  JointScore left = score;
-  left.s += AT * test.estimate;
-  left.A -= AT * test.covariance * AT.transpose();
-  left.shift -= score.shift * columns.T * test.covariance * AT.transpose();
-  return left;
 }
 
 void TakeJointEstimates(const ScoreTest& test, std::vector<HypothesisEvidence>* effects) {

@@ -17,14 +17,11 @@ struct JointColumns {
 
   Eigen::VectorXd Score(const JointScore& score) const { return T.transpose() * score.s; }
   Eigen::MatrixXd Information(const JointScore& score) const { return T.transpose() * score.A * T; }
-  ScoreTest Test(const JointScore& score) const;
+  ScoreTest Test(const JointScore& score) const { return TestCombinations(score, T); }
 };
 
 /// Combines the columns of the fixed effects in a list. Skips noise and outliers, which have none.
 JointColumns CombineFixed(const std::vector<HypothesisEvidence>& effects, const JointScore& score);
-
-/// Returns the scores once the effects are among the unknowns.
-JointScore WithUnknowns(const JointScore& score, const JointColumns& columns);
 
 /// Sets estimate and sigma of the fixed effects in a list to those of their joint test.
 void TakeJointEstimates(const ScoreTest& test, std::vector<HypothesisEvidence>* effects);

@@ -1,6 +1,7 @@
 #include "library.h"
 
 #include <dn/effects/effect_table.h>
+#include <dn/names.h>
 
 #include <algorithm>
 #include <cmath>
@@ -240,10 +241,11 @@ class LibraryMaker {
 }  // namespace
 
 bool LibraryOptions::Wanted(const std::string& effect) const {
-  const auto holds = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), effect) != names.end();
-  };
-  return !holds(left_out) && (effects.empty() || holds(effects));
+  return !HasName(left_out, effect) && (effects.empty() || HasName(effects, effect));
+}
+
+LibraryOptions MakeLibraryOptions(const GapOptions& options) {
+  return {options.effects, options.left_out, options.threads};
 }
 
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,

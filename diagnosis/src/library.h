@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
+#include <dn/diagnosis/diagnose.h>
 #include <dn/effects/effect_table.h>
 #include <dn/solvers/linearized_network.h>
 
@@ -21,6 +22,9 @@ struct LibraryOptions {
   bool Wanted(const std::string& effect) const;
   bool Wanted(EffectId effect) const { return Wanted(EffectName(effect)); }
 };
+
+/// Returns the options of the library of a diagnosis.
+LibraryOptions MakeLibraryOptions(const GapOptions& options);
 
 /// Makes the library of a flight: all fixed effects with their possible windows and starts,
 /// processes expressed by cosines, and unmodelled discrepancies.

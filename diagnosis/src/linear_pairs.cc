@@ -42,8 +42,8 @@ class PointVelocity {
 /// Returns P^-1 of an end: position in map, attitude in body.
 Eigen::Matrix<double, 6, 6> EndCovariance(const GaussHelmertEnd& end, const ErrorScale& scale) {
   const Matrix3d L = scale.position * end.q_mn.toRotationMatrix() * end.sigma_ned_m.asDiagonal();
-  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
-  const Matrix3d F = scale.attitude * BodyFromEulerRates(down_b) * end.sigma_rph_rad.asDiagonal();
+  const Matrix3d F =
+      scale.attitude * BodyFromEulerRates(end.down_b()) * end.sigma_rph_rad.asDiagonal();
   Eigen::Matrix<double, 6, 6> noise = Eigen::Matrix<double, 6, 6>::Zero();
   noise.topLeftCorner<3, 3>() = L * L.transpose();
   noise.bottomRightCorner<3, 3>() = F * F.transpose();

@@ -1,5 +1,6 @@
 #include "locations.h"
 
+#include <dn/axis_names.h>
 #include <dn/builder/gnss_factors.h>
 #include <dn/files/scan_angle.h>
 #include <dn/files/strip_at.h>
@@ -150,7 +151,6 @@ void Locations::AddBands(const Series& series) {
 void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& linearized) {
   if (!network.flight().config.lidar) return;
   const LidarConfig& lidar = *network.flight().config.lidar;
-  const char* axes[] = {"east", "north", "up"};
   std::map<std::string, std::array<Terms, 3>> groups;
   double most_rad = 1e-3, longest_m = 1.0;
   for (const auto& edge : network.pairs().edges()) {
@@ -188,7 +188,7 @@ void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& 
   for (auto& [name, of_axes] : groups) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (of_axes[axis].size() < kFewestTerms) continue;
-      const std::string quantity = std::string("p2p ") + axes[axis];
+      const std::string quantity = std::string("p2p ") + kEnu[axis];
       Add({"lidar", quantity + ", mean", name}, Form::kMean, of_axes[axis]);
       Add({"lidar", quantity + ", mean square", name}, Form::kSquare, of_axes[axis]);
     }

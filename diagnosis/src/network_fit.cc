@@ -94,7 +94,7 @@ NetworkFit NetworkFitter::Fit(const std::vector<HypothesisEvidence>& chosen) con
   fit.solution =
       std::make_unique<Solution>(AdjustWith(*fit.flight, &fit.gnss_left_out), options_.threads);
   if (!chosen.empty()) TakeEstimates(fit.solution->Unknowns(), &fit.chosen);
-  LibraryOptions library{options_.effects, options_.left_out, options_.threads};
+  LibraryOptions library = MakeLibraryOptions(options_);
   for (const HypothesisEvidence& effect : chosen) library.left_out.push_back(effect.name);
   fit.screen =
       std::make_unique<Screen>(fit.solution->network(), fit.solution->marginals(), library);
@@ -111,8 +111,8 @@ NetworkFit NetworkFitter::Fit(const std::vector<HypothesisEvidence>& chosen) con
 void NetworkFitter::AddOutliers(NetworkFit* fit) const {
   const auto add = [&](EffectId id, long found, long of_all, double usual,
                        const std::vector<double>& lengths_m) {
-    const LibraryOptions wanted{options_.effects, options_.left_out, 1};
-    if (Contains(fit->chosen, id) || of_all == 0 || !wanted.Wanted(id)) return;
+    if (Contains(fit->chosen, id) || of_all == 0) return;
+    if (!MakeLibraryOptions(options_).Wanted(id)) return;
     fit->effects.push_back(OutlierEffect(id, found, of_all, usual, lengths_m));
   };
   const Adjustment& adjustment = fit->solution->adjustment();

@@ -37,9 +37,6 @@ double PartSeen(double largest_m, double mean_m) {
 
 HypothesisEvidence OutlierEffect(EffectId id, long found, long of_all, double usual,
                                  const std::vector<double>& lengths_m) {
-  HypothesisEvidence effect{MakeHypothesis(id)};
-  effect.log_evidence = Evidence(found, of_all, usual);
-  effect.p_value = std::min(1.0, std::exp(-effect.log_evidence));
   double largest_m = 0.0, sum_m = 0.0;
   for (const double length_m : lengths_m) {
     largest_m = std::max(largest_m, length_m);
@@ -52,9 +49,8 @@ HypothesisEvidence OutlierEffect(EffectId id, long found, long of_all, double us
   // The number n of outliers found has a Poisson distribution, with the relative variance 1 / n.
   // The mean of n uniform lengths adds a third of that variance.
   const double sigma = std::max(share, 1.0 / all) * std::sqrt(4.0 / 3.0 / std::max(1.0, n));
-  effect.estimate = Eigen::Vector2d(share, largest_m);
-  effect.sigma = Eigen::Vector2d(sigma, 0.5 * largest_m);
-  return effect;
+  return MakeEvidence(id, Evidence(found, of_all, usual), Eigen::Vector2d(share, largest_m),
+                      Eigen::Vector2d(sigma, 0.5 * largest_m));
 }
 
 double ShortOutlierVariance(double share, double size_m, double sigma_m, double norm) {

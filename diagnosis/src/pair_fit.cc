@@ -31,10 +31,6 @@ double NoisePrior(double ln_ratio, double sigma) {
 
 }  // namespace
 
-ErrorScale PairFitter::MakeScale(const Octaves& octaves, double white) {
-  return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
-}
-
 /// Likelihood and screen at one error scale, with the chosen effects among the unknowns.
 struct PairFitter::Height {
   double of_errors = 0.0;  ///< log likelihood plus log prior
@@ -52,11 +48,11 @@ class PairFitter::Search {
     const NoiseRatio noise = FindNoise(Climb({}, 1.0, std::nullopt));
     const double most = Contains(chosen_, kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
     white_ = Contains(chosen_, kNoise) ? most : std::max(most, fitter_.min_white_);
-    const Octaves top = Climb({}, white_, std::nullopt);
+    const ErrorOctaves top = Climb({}, white_, std::nullopt);
     base_ = At(top, white_).of_errors;
     PairFit out;
     const Height& at_top = At(top, white_);
-    out.scale = MakeScale(top, white_);
+    out.scale = top.Scale(white_);
     out.chi2 = fitter_.At(top, white_).chi2;
     out.larger_errors_nats = base_ - At({}, white_).of_errors;
     out.screen = std::make_unique<Screen>(at_top.screen);
@@ -75,14 +71,14 @@ class PairFitter::Search {
   }
 
  private:
-  const Height& At(const Octaves& octaves, double white) {
+  const Height& At(const ErrorOctaves& octaves, double white) {
     const auto key = std::make_pair(octaves, white);
     const auto known = heights_.find(key);
     if (known != heights_.end()) return known->second;
     const TimeCorrelatedErrorModel::ScaleSolution& at = fitter_.At(octaves, white);
     const JointColumns columns = CombineFixed(chosen_, at.score);
-    Height height{at.log_likelihood + LogScalePrior(octaves.position, octaves.attitude),
-                  Screen(fitter_.library_.library, WithUnknowns(at.score, columns)),
+    Height height{at.log_likelihood + octaves.LogPrior(),
+                  Screen(fitter_.library_.library, ConditionOn(at.score, columns.T)),
                   {}};
     if (columns.T.cols() > 0) {
       const SizeAveragedEvidence form(columns.Information(at.score), columns.typical);
@@ -92,20 +88,21 @@ class PairFitter::Search {
     return heights_.emplace(key, std::move(height)).first->second;
   }
 
-  double HeightAt(const Octaves& octaves, double white, std::optional<std::size_t> family) {
+  double HeightAt(const ErrorOctaves& octaves, double white, std::optional<std::size_t> family) {
     const Height& at = At(octaves, white);
     return at.of_errors + (family ? at.effects[*family].log_evidence : 0.0);
   }
 
   /// Climbs to the likeliest scale of the trajectory errors, with a family of effects or without.
-  Octaves Climb(const Octaves& start, double white, std::optional<std::size_t> family) {
-    return ClimbGrid(start, {{&Octaves::position, kMaxOctaves}, {&Octaves::attitude, kMaxOctaves}},
-                     [&](const Octaves& octaves) { return HeightAt(octaves, white, family); });
+  ErrorOctaves Climb(const ErrorOctaves& start, double white, std::optional<std::size_t> family) {
+    return ClimbGrid(
+        start, {{&ErrorOctaves::position, kMaxOctaves}, {&ErrorOctaves::attitude, kMaxOctaves}},
+        [&](const ErrorOctaves& octaves) { return HeightAt(octaves, white, family); });
   }
 
-  HypothesisEvidence Judge(std::size_t family, const Octaves& of_errors) {
-    Octaves best = Climb({}, white_, family);
-    const Octaves other = Climb(of_errors, white_, family);
+  HypothesisEvidence Judge(std::size_t family, const ErrorOctaves& of_errors) {
+    ErrorOctaves best = Climb({}, white_, family);
+    const ErrorOctaves other = Climb(of_errors, white_, family);
     if (HeightAt(other, white_, family) > HeightAt(best, white_, family)) best = other;
     HypothesisEvidence effect = At(best, white_).effects[family];
     effect.log_evidence = HeightAt(best, white_, family) - base_;
@@ -123,7 +120,7 @@ class PairFitter::Search {
   };
 
   /// Maximises the likelihood of ln(ratio) with Newton steps that start at the mean square.
-  NoiseRatio FindNoise(const Octaves& octaves) {
+  NoiseRatio FindNoise(const ErrorOctaves& octaves) {
     const auto height = [&](double ln_ratio) {
       return fitter_.At(octaves, std::exp(ln_ratio)).log_likelihood;
     };
@@ -142,19 +139,18 @@ class PairFitter::Search {
     return {std::exp(x), 1.0 / std::sqrt(curvature)};
   }
 
-  HypothesisEvidence JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
-    const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
-    HypothesisEvidence effect{MakeHypothesis(kNoise)};
-    effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
-                          NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
-    effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));
+  HypothesisEvidence JudgeNoise(const ErrorOctaves& of_errors, const NoiseRatio& noise) {
+    const ErrorOctaves top = Climb(of_errors, noise.ratio, std::nullopt);
+    const double log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
+                                NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
     const double of_pairs = noise.ratio / fitter_.min_white_;
-    effect.estimate = VectorXd::Constant(1, of_pairs);
-    effect.sigma = VectorXd::Constant(1, noise.ln_sigma * of_pairs);
+    HypothesisEvidence effect = MakeEvidence(kNoise, log_evidence, VectorXd::Constant(1, of_pairs),
+                                             VectorXd::Constant(1, noise.ln_sigma * of_pairs));
+    effect.p_value = std::min(1.0, Families() * effect.p_value);
     return effect;
   }
 
-  void EstimateChosen(const Octaves& top, PairFit* out) {
+  void EstimateChosen(const ErrorOctaves& top, PairFit* out) {
     out->chosen = chosen_;
     const JointScore& score = fitter_.At(top, white_).score;
     const JointColumns columns = CombineFixed(chosen_, score);
@@ -174,7 +170,7 @@ class PairFitter::Search {
   const std::vector<HypothesisEvidence>& chosen_;
   double white_ = 1.0;
   double base_ = 0.0;
-  std::map<std::pair<Octaves, double>, Height> heights_;
+  std::map<std::pair<ErrorOctaves, double>, Height> heights_;
 };
 
 PairFitter::PairFitter(const PairLibrary& library, const LinearPairs& pairs,
@@ -196,12 +192,12 @@ double PairFitter::NoiseEvidence(double chi2) const {
          NoisePrior(0.5 * std::log(ratio), 1.0 / std::sqrt(2.0 * observations_));
 }
 
-const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const Octaves& octaves,
+const TimeCorrelatedErrorModel::ScaleSolution& PairFitter::At(const ErrorOctaves& octaves,
                                                               double white) {
   const auto key = std::make_pair(octaves, white);
   const auto known = known_.find(key);
   if (known != known_.end()) return known->second;
-  return known_.emplace(key, errors_.At(MakeScale(octaves, white))).first->second;
+  return known_.emplace(key, errors_.At(octaves.Scale(white))).first->second;
 }
 
 }  // namespace dn::diagnosis_internal

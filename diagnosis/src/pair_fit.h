@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <compare>
 #include <map>
 #include <memory>
 #include <utility>
@@ -52,21 +51,16 @@ class PairFitter {
   double NoiseEvidence(double chi2) const;
 
  private:
-  struct Octaves {
-    int position = 0, attitude = 0;
-    auto operator<=>(const Octaves&) const = default;
-  };
   struct Height;
   class Search;
-  static ErrorScale MakeScale(const Octaves& octaves, double white);
-  const TimeCorrelatedErrorModel::ScaleSolution& At(const Octaves& octaves, double white);
+  const TimeCorrelatedErrorModel::ScaleSolution& At(const ErrorOctaves& octaves, double white);
 
   const PairLibrary& library_;
   TimeCorrelatedErrorModel errors_;
   bool with_noise_scale_;
   double observations_ = 0.0;
   double min_white_ = 1.0;  // ratio of the pairs' own noise to its upper limit
-  std::map<std::pair<Octaves, double>, TimeCorrelatedErrorModel::ScaleSolution> known_;
+  std::map<std::pair<ErrorOctaves, double>, TimeCorrelatedErrorModel::ScaleSolution> known_;
 };
 
 }  // namespace dn::diagnosis_internal

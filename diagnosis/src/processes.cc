@@ -152,19 +152,6 @@ class Trial {
   double scale_;
 };
 
-/// Writes size and time constant of a process into an effect.
-void Take(const ProcessEstimate& process, HypothesisEvidence* effect) {
-  const EffectSpec& spec = EffectRow(*effect->id);
-  const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
-  for (Eigen::Index k = 0; k < last; ++k) {
-    const double typical = spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->estimate[k] = process.size * typical;
-    effect->sigma[k] = process.size_sigma * typical;
-  }
-  effect->estimate[last] = process.tau_s;
-  effect->sigma[last] = process.tau_sigma_s;
-}
-
 }  // namespace
 
 void EvaluateProcess(const FlightNetwork& solved, int threads, HypothesisEvidence* effect) {
@@ -185,9 +172,9 @@ void EvaluateProcess(const FlightNetwork& solved, int threads, HypothesisEvidenc
         return a.log_evidence < b.log_evidence;
       });
   const LikelySize& size = best.likeliest;
-  Take({size.size, size.size * size.relative_sigma, best.tau_s,
-        std::numeric_limits<double>::quiet_NaN()},
-       effect);
+  SetProcess({size.size, size.size * size.relative_sigma, best.tau_s,
+              std::numeric_limits<double>::quiet_NaN()},
+             effect);
 }
 
 void RefineProcess(const FlightNetwork& solved, int threads, HypothesisEvidence* effect) {
@@ -203,8 +190,7 @@ void RefineProcess(const FlightNetwork& solved, int threads, HypothesisEvidence*
     });
   };
   const std::optional<ProcessEstimate> likeliest = LikeliestProcess(sizes, effect->estimate[last]);
-  if (!likeliest) return;
-  Take(*likeliest, effect);
+  if (likeliest) SetProcess(*likeliest, effect);
 }
 
 }  // namespace dn::diagnosis_internal

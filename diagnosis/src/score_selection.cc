@@ -82,7 +82,7 @@ class ScoreSelector {
     auto fit = std::make_unique<ScoreFit>();
     for (const Hypothesis& hypothesis : hypotheses_) {
       if (!hypothesis.id || FindBlock(chosen, hypothesis) != nullptr) continue;
-      HypothesisEvidence effect{hypothesis};
+      HypothesisEvidence effect{hypothesis, {}};
       const ScoreTest test = TestHypothesis(hypothesis, score);
       if (test.dof > 0) {
         effect.p_value = family_.FamilyWise(ChiSquareTail(test.statistic, test.dof));
@@ -99,7 +99,7 @@ class ScoreSelector {
   std::unique_ptr<ScoreFit> Add(const std::vector<HypothesisEvidence>& chosen) {
     const HypothesisEvidence& added = chosen.back();
     std::unique_ptr<ScoreFit> with =
-        Evaluate(WithUnknowns(last_->score, CombineFixed({added}, last_->score)), chosen);
+        Evaluate(ConditionOn(last_->score, CombineFixed({added}, last_->score).T), chosen);
     EffectCheck check;
     check.name = added.name;
     check.unit = added.unit;

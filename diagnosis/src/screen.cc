@@ -97,7 +97,7 @@ HypothesisEvidence Screen::Describe(const EffectFamily& family) const {
     most = one;
     best = k;
   }
-  HypothesisEvidence effect{library_.hypotheses[best]};
+  HypothesisEvidence effect{library_.hypotheses[best], {}};
   effect.log_evidence = sum.Value() - std::log(members);
   const ScoreTest test = TestHypothesis(effect, score_);
   if (test.dof > 0) {
@@ -135,17 +135,9 @@ void Screen::EstimateProcess(const SizeAveragedEvidence& form, HypothesisEvidenc
                             form.LogEvidence(s, variance * std::exp(-step))) /
                            (step * step);
   const double relative = 0.5 / std::sqrt(std::max(curvature, 1e-3));
-  const EffectSpec& spec = EffectRow(*effect->id);
-  const auto sigmas = static_cast<Eigen::Index>(spec.components.size()) - 1;
-  effect->estimate.resize(sigmas + 1);
-  effect->sigma.resize(sigmas + 1);
-  for (Eigen::Index k = 0; k < sigmas; ++k) {
-    effect->estimate[k] =
-        std::sqrt(variance) * spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->sigma[k] = relative * effect->estimate[k];
-  }
-  effect->estimate[sigmas] = *effect->tau_s;
-  effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
+  const double size = std::sqrt(variance);
+  SetProcess({size, relative * size, *effect->tau_s, std::numeric_limits<double>::quiet_NaN()},
+             effect);
 }
 
 }  // namespace dn::diagnosis_internal

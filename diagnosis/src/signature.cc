@@ -30,7 +30,7 @@ Signature ComputeSignature(const Flight& with, const Flight& without, const GapO
   signature.lambda = 2.0 * std::max(0.0, adjusted.cost - cost_without);
   const Marginals marginals(adjusted.network->net(), {.threads = options.threads});
   const diagnosis_internal::Screen screen(*adjusted.network, marginals,
-                                          {options.effects, options.left_out, options.threads});
+                                          diagnosis_internal::MakeLibraryOptions(options));
   double most = 0.0;
   for (const diagnosis_internal::HypothesisEvidence& effect : screen.EffectsInOrder()) {
     if (!effect.physical() || effect.statistic <= most) continue;

@@ -4,6 +4,8 @@
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>
+#include <cmath>
+#include <compare>
 #include <vector>
 
 namespace dn::diagnosis_internal {
@@ -34,11 +36,15 @@ struct ErrorScale {
 /// Largest scale of the trajectory errors, in octaves above the stated one.
 inline constexpr int kMaxOctaves = 5;
 
-/// Returns the log prior of the scale of the trajectory errors: a standard deviation of one octave
-/// above the stated scale.
-inline double LogScalePrior(int position_octaves, int attitude_octaves) {
-  return -0.5 * (position_octaves * position_octaves + attitude_octaves * attitude_octaves);
-}
+/// Scale of the trajectory errors in octaves above the stated one.
+struct ErrorOctaves {
+  int position = 0, attitude = 0;
+
+  auto operator<=>(const ErrorOctaves&) const = default;
+  ErrorScale Scale(double white) const { return {std::exp2(position), std::exp2(attitude), white}; }
+  /// Returns the log prior: a standard deviation of one octave above the stated scale.
+  double LogPrior() const { return -0.5 * (position * position + attitude * attitude); }
+};
 
 /// The pairs of a flight with the boresight and the time-correlated errors of the trajectory as
 /// unknowns. Each strip has a constant error, and an error that is linear between nodes in time.

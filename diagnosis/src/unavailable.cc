@@ -1,6 +1,6 @@
 #include "unavailable.h"
 
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/effects/effect_table.h>
 
 #include <limits>
@@ -46,7 +46,7 @@ GapResult WithLimits(const Flight& flight, GapDiagnosis diagnosis) {
 }
 
 std::vector<DetectionLimit> EffectsInTrajectory(const GapOptions& options) {
-  const LibraryOptions wanted{options.effects, options.left_out, 1};
+  const LibraryOptions wanted = MakeLibraryOptions(options);
   std::vector<DetectionLimit> hidden;
   for (const EffectSpec& spec : EffectTable()) {
     const bool of_trajectory = spec.sensor == EffectSensor::kTrajectory;
@@ -58,7 +58,7 @@ std::vector<DetectionLimit> EffectsInTrajectory(const GapOptions& options) {
     effect.effect = spec.name;
     effect.unit = spec.components.front().unit;
     effect.minimal_detectable = std::numeric_limits<double>::infinity();
-    effect.boresight_shift_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
+    effect.boresight_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
     hidden.push_back(effect);
   }
   return hidden;

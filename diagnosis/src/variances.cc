@@ -127,24 +127,24 @@ class Variances {
   /// Evaluates a component from one Fisher step `theta` with its sigma, and by its profile
   /// likelihood if the step is significant.
   HypothesisEvidence Judge(const Component& component, double theta, double sigma_theta) const {
-    HypothesisEvidence effect{MakeHypothesis(component.effect)};
+    const auto evidence = [&](double log_evidence, double size, double sigma) {
+      return MakeEvidence(component.effect, log_evidence, Eigen::VectorXd::Constant(1, size),
+                          Eigen::VectorXd::Constant(1, sigma));
+    };
     const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
     const bool impossible = component.at_least_stated && theta <= 0.0;
     if (impossible || quadratic < kWorthALookNats) {
-      effect.log_evidence = -std::log1p(1.0 / std::max(1e-6, sigma_theta)) * 0.5;
-      effect.estimate =
-          Eigen::VectorXd::Constant(1, component.size_of_theta(std::max(theta, -0.9)));
-      effect.sigma = Eigen::VectorXd::Constant(1, 0.5 * sigma_theta);
-      if (component.at_least_stated) effect.sigma[0] = component.size_of_theta(sigma_theta);
-      return effect;
+      return evidence(
+          -std::log1p(1.0 / std::max(1e-6, sigma_theta)) * 0.5,
+          component.size_of_theta(std::max(theta, -0.9)),
+          component.at_least_stated ? component.size_of_theta(sigma_theta) : 0.5 * sigma_theta);
     }
     const LikelihoodPeak peak = FindSizePeak(component, theta, sigma_theta);
     const double size = std::exp(peak.log_size);
-    effect.log_evidence = peak.value + LogPrior(component, size) +
-                          0.5 * std::log(2.0 * std::numbers::pi) + std::log(peak.width);
-    if (!component.at_least_stated && std::abs(size - 1.0) < kNoEffect) effect.log_evidence = 0.0;
-    effect.estimate = Eigen::VectorXd::Constant(1, size);
-    effect.sigma = Eigen::VectorXd::Constant(1, size * peak.width);
+    const bool matters = component.at_least_stated || std::abs(size - 1.0) >= kNoEffect;
+    const double log_evidence = peak.value + LogPrior(component, size) +
+                                0.5 * std::log(2.0 * std::numbers::pi) + std::log(peak.width);
+    HypothesisEvidence effect = evidence(matters ? log_evidence : 0.0, size, size * peak.width);
     effect.p_value = ChiSquareTail(2.0 * std::max(0.0, peak.value), 1.0);
     return effect;
   }
@@ -201,25 +201,19 @@ class Variances {
 
   void AddVibration(const NoiseWindow& window, double log_evidence) {
     if (!options_.Wanted(EffectId::kImuVibration)) return;
-    HypothesisEvidence vibration{MakeHypothesis(EffectId::kImuVibration)};
-    vibration.times.window_s = {{window.t0_s, window.t1_s}};
-    vibration.log_evidence = log_evidence;
-    vibration.estimate = Eigen::Vector2d(window.sigma[0], window.sigma[1]);
-    vibration.sigma = Eigen::Vector2d(window.sigma_of_sigma[0], window.sigma_of_sigma[1]);
-    vibration.p_value = std::exp(-std::max(0.0, log_evidence));
-    out_.effects.push_back(std::move(vibration));
+    out_.effects.push_back(MakeEvidence(
+        EffectId::kImuVibration, log_evidence, Eigen::Vector2d(window.sigma[0], window.sigma[1]),
+        Eigen::Vector2d(window.sigma_of_sigma[0], window.sigma_of_sigma[1])));
+    out_.effects.back().times.window_s = {{window.t0_s, window.t1_s}};
   }
 
   void AddScale(EffectId id, const NoiseCheck& check, ImuTriad triad, double log_evidence) {
     if (!check.level[triad] || !options_.Wanted(id)) return;
     const NoiseLevel& level = *check.level[triad];
-    HypothesisEvidence scale{MakeHypothesis(id)};
-    scale.estimate = Eigen::VectorXd::Constant(1, level.ratio);
-    scale.sigma = Eigen::VectorXd::Constant(1, level.sigma);
     const bool matters = std::abs(level.ratio - 1.0) >= kNoEffect;
-    scale.log_evidence = matters ? log_evidence : std::min(0.0, log_evidence);
-    scale.p_value = std::exp(-std::max(0.0, scale.log_evidence));
-    out_.effects.push_back(std::move(scale));
+    out_.effects.push_back(MakeEvidence(id, matters ? log_evidence : std::min(0.0, log_evidence),
+                                        Eigen::VectorXd::Constant(1, level.ratio),
+                                        Eigen::VectorXd::Constant(1, level.sigma)));
   }
 
   const FlightNetwork& network_;

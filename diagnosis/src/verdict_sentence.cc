@@ -1,7 +1,8 @@
 #include <dn/builder/calibration_effect.h>
 #include <dn/diagnosis/adapt.h>
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/effects/effect_table.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -37,7 +38,7 @@ std::string Remedy(const GapDiagnosis& d, const GapCause& cause) {
 }
 
 std::string ShiftText(const GapCause& cause) {
-  const Eigen::Vector3d& max_shift_sigmas = cause.boresight_shift_rad;
+  const Eigen::Vector3d& max_shift_sigmas = cause.boresight_rad;
   return max_shift_sigmas.isZero(0.0) || !max_shift_sigmas.allFinite()
              ? std::string()
              : ", which moves the boresight (roll, pitch, yaw) by " + MdegWords(max_shift_sigmas);
@@ -87,9 +88,7 @@ std::vector<std::string> OtherNames(const GapDiagnosis& d) {
   const std::vector<std::string>& effects = d.verdict.effects;
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
-    const bool known = std::find(effects.begin(), effects.end(), name) != effects.end() ||
-                       std::find(names.begin(), names.end(), name) != names.end();
-    if (!known) names.push_back(name);
+    if (!HasName(effects, name) && !HasName(names, name)) names.push_back(name);
   };
   for (const std::string& name : d.verdict.credible_set) add(name);
   for (const GapCause& cause : VerdictCauses(d)) {
@@ -167,7 +166,7 @@ std::string NoGap(const GapDiagnosis& d) {
                       diagnosis_internal::DetectableWords(worst));
   if (!diagnosis_internal::HasBoresight(d)) return text;
   return text + ", and can shift the boresight (roll, pitch, yaw) by up to " +
-         MdegWords(worst.boresight_shift_rad.cwiseAbs());
+         MdegWords(worst.boresight_rad.cwiseAbs());
 }
 
 std::string Unavailable(const GapDiagnosis& d) {

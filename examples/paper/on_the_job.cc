@@ -1,5 +1,6 @@
 #include "on_the_job.h"
 
+#include <dn/axis_names.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/distributions.h>
 #include <fmt/format.h>
@@ -180,13 +181,13 @@ void PrintCorrelations(const std::vector<SetResult>& sets) {
       "y, z at the lidar barycentre\n");
   fmt::print("{:<16} {:>17}   {:>17}   {:>17}   {:>17}\n", "", "GH", "DN", "DN accel bias",
              "DN gyro bias");
-  const char* rows[] = {"roll", "pitch", "yaw"};
   for (const SetResult& set : sets) {
     const Calibrated& flight = set.flights.front();
     for (int row = 0; row < 3; ++row) {
-      fmt::print("{:<10}{:<6} {}   {}   {}   {}\n", row == 0 ? set.name : "", rows[row],
-                 Percent(flight.gh.correlation, row), Percent(flight.dn.correlation, row),
-                 Percent(flight.dn_accel, row), Percent(flight.dn_gyro, row));
+      fmt::print("{:<10}{:<6} {}   {}   {}   {}\n", row == 0 ? set.name : "",
+                 dn::kRollPitchYaw[row], Percent(flight.gh.correlation, row),
+                 Percent(flight.dn.correlation, row), Percent(flight.dn_accel, row),
+                 Percent(flight.dn_gyro, row));
     }
   }
 }

@@ -1,9 +1,9 @@
 #include "robustness.h"
 
+#include <dn/axis_names.h>
 #include <dn/rotation.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 
 #include "fly.h"
@@ -12,8 +12,6 @@ namespace paper {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr std::array<const char*, 3> kAngles{"roll", "pitch", "yaw"};
 
 /// Returns the trajectory with R_b^m multiplied from the right by Exp(offset).
 dn::Trajectory Turned(const dn::Trajectory& trajectory, const Vector3d& offset_deg) {
@@ -31,7 +29,7 @@ Vector3d RotationPart(const Vector3d& theta_rad) {
 
 void PrintRow(const char* first, int angle, double a, double b, double c, double d, double e) {
   fmt::print("{:<6} {:<6} {:>10.4f} {:>10.4f} {:>10.4f} {:>10.4f} {:>10.4f}\n", first,
-             kAngles[static_cast<std::size_t>(angle)], a, b, c, d, e);
+             dn::kRollPitchYaw[angle], a, b, c, d, e);
 }
 
 }  // namespace

@@ -12,7 +12,8 @@
 #include "bridge_cursor.h"
 
 namespace dn {
-namespace {
+// Members of the Impl classes have these types, so they are not in an unnamed namespace.
+namespace imu_internal {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -553,7 +554,7 @@ class SampleWalk {
   double last_end_s_;             ///< t_end_s of the last Pass
 };
 
-}  // namespace
+}  // namespace imu_internal
 
 class IncrementalPreintegrator::Impl {
  public:
@@ -563,15 +564,15 @@ class IncrementalPreintegrator::Impl {
         walk_(imu, t_begin_s, correction),
         integrator_(noise),
         bridges_(imu, t_begin_s) {
-    CheckNoise(noise);
+    imu_internal::CheckNoise(noise);
   }
 
   Preintegrated To(double t_end_s) {
-    walk_.Pass(t_end_s, [&](const Piece& piece) { Add(piece, &integrator_); });
-    Integrator whole = integrator_;
-    Preintegrated out = LinearisedAt(walk_.correction());
+    walk_.Pass(t_end_s, [&](const imu_internal::Piece& piece) { Add(piece, &integrator_); });
+    imu_internal::Integrator whole = integrator_;
+    Preintegrated out = imu_internal::LinearisedAt(walk_.correction());
     walk_.Finish(
-        t_end_s, [&](const Piece& piece) { Add(piece, &whole); }, &out);
+        t_end_s, [&](const imu_internal::Piece& piece) { Add(piece, &whole); }, &out);
     whole.Write(&out);
     out.covariance.bottomRightCorner<3, 3>().diagonal().array() +=
         noise_.position_floor_m * noise_.position_floor_m;
@@ -579,17 +580,17 @@ class IncrementalPreintegrator::Impl {
   }
 
  private:
-  void Add(const Piece& piece, Integrator* integrator) {
+  void Add(const imu_internal::Piece& piece, imu_internal::Integrator* integrator) {
     const ImuSample& sample = walk_.sample();
-    integrator->Add(
-        piece,
-        BridgeNoise(bridges_.Find(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
-        walk_.reading());
+    integrator->Add(piece,
+                    imu_internal::BridgeNoise(bridges_.Find(sample), sample.dt_s) +
+                        imu_internal::VibrationNoise(noise_.vibration, sample),
+                    walk_.reading());
   }
 
   const PreintegrationNoise& noise_;
-  SampleWalk walk_;
-  Integrator integrator_;
+  imu_internal::SampleWalk walk_;
+  imu_internal::Integrator integrator_;
   imu_internal::BridgeCursor bridges_;
 };
 
@@ -599,18 +600,18 @@ class IncrementalMotionIntegrator::Impl {
       : walk_(imu, t_begin_s, correction) {}
 
   InertialIncrements To(double t_end_s) {
-    walk_.Pass(t_end_s, [&](const Piece& piece) { integrator_.Add(piece); });
-    MotionIntegrator whole = integrator_;
+    walk_.Pass(t_end_s, [&](const imu_internal::Piece& piece) { integrator_.Add(piece); });
+    imu_internal::MotionIntegrator whole = integrator_;
     InertialIncrements out;
     walk_.Finish(
-        t_end_s, [&](const Piece& piece) { whole.Add(piece); }, &out);
+        t_end_s, [&](const imu_internal::Piece& piece) { whole.Add(piece); }, &out);
     whole.Write(&out);
     return out;
   }
 
  private:
-  SampleWalk walk_;
-  MotionIntegrator integrator_;
+  imu_internal::SampleWalk walk_;
+  imu_internal::MotionIntegrator integrator_;
 };
 
 IncrementalPreintegrator::IncrementalPreintegrator(const ImuData& imu, double t_begin_s,
@@ -641,25 +642,28 @@ InertialIncrements IntegrateMotion(const ImuData& imu, double t_begin_s, double 
 }
 
 Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& correction) {
-  CheckInside(imu, t_s, t_s);
-  CheckBias(correction, t_s);
+  imu_internal::CheckInside(imu, t_s, t_s);
+  imu_internal::CheckBias(correction, t_s);
   const auto after =
       std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kImuTimeTolerance_s,
                        [](const ImuSample& sample, double t) { return sample.t_s < t; });
-  if (after->t_s - after->dt_s > t_s + kImuTimeTolerance_s) ThrowGap(t_s, t_s, *after);
-  Preintegrated out = LinearisedAt(correction);
+  if (after->t_s - after->dt_s > t_s + kImuTimeTolerance_s)
+    imu_internal::ThrowGap(t_s, t_s, *after);
+  Preintegrated out = imu_internal::LinearisedAt(correction);
   out.t_begin_s = out.t_end_s = t_s;
-  EffectCorrector corrector(correction.effects);
-  WriteEnd(LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()), correction),
-           &corrector, &out);
+  imu_internal::EffectCorrector corrector(correction.effects);
+  imu_internal::WriteEnd(
+      imu_internal::LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()),
+                                 correction),
+      &corrector, &out);
   return out;
 }
 
 Preintegrated Compose(const Preintegrated& a, const Preintegrated& b) {
   const double dt = b.dt_s();
-  const Matrix3d A = a.delta_q.toRotationMatrix();
-  const Matrix3d B_inverse = b.delta_q.toRotationMatrix().transpose();
-  const Matrix3d A_v = A * Skew(b.delta_v), A_p = A * Skew(b.delta_p);
+  const Eigen::Matrix3d A = a.delta_q.toRotationMatrix();
+  const Eigen::Matrix3d B_inverse = b.delta_q.toRotationMatrix().transpose();
+  const Eigen::Matrix3d A_v = A * Skew(b.delta_v), A_p = A * Skew(b.delta_p);
 
   Preintegrated out = b;
   out.t_begin_s = a.t_begin_s;
@@ -671,7 +675,7 @@ Preintegrated Compose(const Preintegrated& a, const Preintegrated& b) {
   F.block<3, 3>(0, 0) = B_inverse;
   F.block<3, 3>(3, 0) = -A_v;
   F.block<3, 3>(6, 0) = -A_p;
-  F.block<3, 3>(6, 3) = dt * Matrix3d::Identity();
+  F.block<3, 3>(6, 3) = dt * Eigen::Matrix3d::Identity();
   Eigen::Matrix<double, 9, 9> G = Eigen::Matrix<double, 9, 9>::Identity();
   G.block<3, 3>(3, 3) = A;
   G.block<3, 3>(6, 6) = A;

@@ -20,7 +20,7 @@ constexpr std::size_t kMostLines = 1000;
 constexpr std::size_t kMostEffects = 100;
 
 Geodetic ReadOrigin(const YamlValue& value) {
-  const Eigen::Vector3d origin = value.Vector3();
+  const Eigen::Vector3d origin = ReadVector3(value);
   if (std::abs(origin.x()) >= 90.0) value.Fail("the latitude must lie between -90 and 90 deg");
   if (std::abs(origin.y()) > 360.0) value.Fail("the longitude must lie between -360 and 360 deg");
   if (std::abs(origin.z()) > 1e6) value.Fail("the height must lie between -1e6 and 1e6 m");
@@ -28,7 +28,7 @@ Geodetic ReadOrigin(const YamlValue& value) {
 }
 
 PlannedLine ReadLine(const YamlValue& item) {
-  const Eigen::VectorXd row = item.Numbers(6);
+  const Eigen::VectorXd row = ReadNumbers(item, 6);
   PlannedLine line{{row[0], row[1]}, {row[2], row[3]}, row[4], row[5]};
   if (!(line.speed_mps > 0.0)) item.Fail("the speed of a line must be positive");
   if ((line.end_en_m - line.start_en_m).norm() < line.speed_mps) {
@@ -38,13 +38,13 @@ PlannedLine ReadLine(const YamlValue& item) {
 }
 
 TurbulenceScenario ReadTurbulence(const YamlValue& s) {
-  s.ExpectMapOrAbsent({"roll_deg", "pitch_deg", "heading_deg", "speed_m_s", "height_m"});
+  ExpectMapOrAbsent(s, {"roll_deg", "pitch_deg", "heading_deg", "speed_m_s", "height_m"});
   TurbulenceScenario t;
-  t.roll_rad = s["roll_deg"].NotNegativeOr(0.0) * kRadPerDeg;
-  t.pitch_rad = s["pitch_deg"].NotNegativeOr(0.0) * kRadPerDeg;
-  t.heading_rad = s["heading_deg"].NotNegativeOr(0.0) * kRadPerDeg;
-  t.speed_mps = s["speed_m_s"].NotNegativeOr(0.0);
-  t.height_m = s["height_m"].NotNegativeOr(0.0);
+  t.roll_rad = ReadNotNegativeOr(s["roll_deg"], 0.0) * kRadPerDeg;
+  t.pitch_rad = ReadNotNegativeOr(s["pitch_deg"], 0.0) * kRadPerDeg;
+  t.heading_rad = ReadNotNegativeOr(s["heading_deg"], 0.0) * kRadPerDeg;
+  t.speed_mps = ReadNotNegativeOr(s["speed_m_s"], 0.0);
+  t.height_m = ReadNotNegativeOr(s["height_m"], 0.0);
   return t;
 }
 
@@ -82,22 +82,22 @@ void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
 }
 
 PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
-  s.ExpectMapOrAbsent({"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
-                       "stabilised_mount", "replay", "strips"});
+  ExpectMapOrAbsent(s, {"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
+                        "stabilised_mount", "replay", "strips"});
   PlanScenario plan;
-  plan.warm_up_s = s["warm_up_s"].NotNegativeOr(0.0);
+  plan.warm_up_s = ReadNotNegativeOr(s["warm_up_s"], 0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
   if (s["lines"]) {
     for (const YamlValue& row : s["lines"].List(kMostLines)) plan.lines.push_back(ReadLine(row));
   }
-  const double bank_deg = s["bank_deg"].PositiveOr(25.0);
+  const double bank_deg = ReadPositiveOr(s["bank_deg"], 25.0);
   if (bank_deg > 60.0) s["bank_deg"].Fail("must be at most 60");
   plan.bank_rad = bank_deg * kRadPerDeg;
   plan.turbulence = ReadTurbulence(s["turbulence"]);
-  plan.crab_rad = s["crab_deg"].NumberOr(0.0) * kRadPerDeg;
+  plan.crab_rad = ReadNumberOr(s["crab_deg"], 0.0) * kRadPerDeg;
   if (std::abs(plan.crab_rad) > 45.0 * kRadPerDeg)
     s["crab_deg"].Fail("must lie between -45 and 45");
-  plan.stabilised_mount = s["stabilised_mount"].BoolOr(false);
+  plan.stabilised_mount = ReadBoolOr(s["stabilised_mount"], false);
   if (s["replay"]) {
     plan.replay = std::filesystem::path(file).parent_path() / s["replay"].Text();
   } else if (plan.lines.empty()) {
@@ -129,17 +129,18 @@ double UsualRoughness(TerrainKind kind) {
 /// clouds: true if point clouds are simulated. If only pairs are simulated, the ground is smooth by
 /// default.
 TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
-  s.ExpectMapOrAbsent({"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
-                       "trees_per_km2", "roughness_m", "water_share", "seed"});
+  ExpectMapOrAbsent(s, {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
+                        "trees_per_km2", "roughness_m", "water_share", "seed"});
   TerrainScenario terrain;
   if (s["kind"]) terrain.kind = s["kind"].Choice(TerrainWords());
-  terrain.relief_m = s["relief_m"].NotNegativeOr(0.0);
-  terrain.wavelength_m = s["wavelength_m"].PositiveOr(1000.0);
-  terrain.base_m = s["base_m"].NumberOr(0.0);
-  terrain.buildings_per_km2 = s["buildings_per_km2"].NotNegativeOr(0.0);
-  terrain.trees_per_km2 = s["trees_per_km2"].NotNegativeOr(0.0);
-  terrain.roughness_m = s["roughness_m"].NotNegativeOr(clouds ? UsualRoughness(terrain.kind) : 0.0);
-  terrain.water_share = s["water_share"].NotNegativeOr(0.0);
+  terrain.relief_m = ReadNotNegativeOr(s["relief_m"], 0.0);
+  terrain.wavelength_m = ReadPositiveOr(s["wavelength_m"], 1000.0);
+  terrain.base_m = ReadNumberOr(s["base_m"], 0.0);
+  terrain.buildings_per_km2 = ReadNotNegativeOr(s["buildings_per_km2"], 0.0);
+  terrain.trees_per_km2 = ReadNotNegativeOr(s["trees_per_km2"], 0.0);
+  terrain.roughness_m =
+      ReadNotNegativeOr(s["roughness_m"], clouds ? UsualRoughness(terrain.kind) : 0.0);
+  terrain.water_share = ReadNotNegativeOr(s["water_share"], 0.0);
   if (terrain.water_share > kMostWater) s["water_share"].Fail("must be at most 0.9");
   if (terrain.water_share > 0.0 &&
       (terrain.relief_m == 0.0 || terrain.kind == TerrainKind::kFlat)) {
@@ -150,63 +151,64 @@ TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
 }
 
 ImuScenario ReadImuScenario(const YamlValue& s) {
-  s.ExpectMapOrAbsent({"rate_hz", "preset", "gyro", "accel"});
+  ExpectMapOrAbsent(s, {"rate_hz", "preset", "gyro", "accel"});
   ImuScenario imu;
-  imu.rate_hz = s["rate_hz"].PositiveOr(200.0);
+  imu.rate_hz = ReadPositiveOr(s["rate_hz"], 200.0);
   if (imu.rate_hz < 10.0 || imu.rate_hz > 2000.0) s["rate_hz"].Fail("must lie between 10 and 2000");
   imu.model = ReadImuNoise(s, "preset");
-  if (s["preset"] && !s["gyro"] && !s["accel"]) imu.preset = s["preset"].Name();
+  if (s["preset"] && !s["gyro"] && !s["accel"]) imu.preset = ReadName(s["preset"]);
   return imu;
 }
 
 GnssScenario ReadGnssScenario(const YamlValue& s) {
-  s.ExpectMapOrAbsent({"rate_hz", "sigma_enu_m", "lever_arm_m", "velocity", "processes"});
+  ExpectMapOrAbsent(s, {"rate_hz", "sigma_enu_m", "lever_arm_m", "velocity", "processes"});
   GnssScenario gnss;
-  gnss.rate_hz = s["rate_hz"].PositiveOr(1.0);
+  gnss.rate_hz = ReadPositiveOr(s["rate_hz"], 1.0);
   if (gnss.rate_hz > 100.0) s["rate_hz"].Fail("must be at most 100");
-  if (s["sigma_enu_m"]) gnss.sigma_enu_m = s["sigma_enu_m"].PositiveVector3();
-  gnss.lever_arm_b_m = s["lever_arm_m"].Vector3Or(Eigen::Vector3d::Zero());
-  gnss.velocity = s["velocity"].BoolOr(false);
+  if (s["sigma_enu_m"]) gnss.sigma_enu_m = ReadPositiveVector3(s["sigma_enu_m"]);
+  gnss.lever_arm_b_m = ReadVector3Or(s["lever_arm_m"], Eigen::Vector3d::Zero());
+  gnss.velocity = ReadBoolOr(s["velocity"], false);
   gnss.processes = ReadGnssProcesses(s);
   return gnss;
 }
 
 LidarScenario ReadLidar(const YamlValue& s) {
-  s.ExpectMapOrAbsent({"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m",
-                       "boresight_deg", "fov_deg", "pattern", "pulse_rate_hz", "gsd_m",
-                       "beam_divergence_mrad", "sigma_range_m"});
+  ExpectMapOrAbsent(
+      s, {"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m", "boresight_deg", "fov_deg",
+          "pattern", "pulse_rate_hz", "gsd_m", "beam_divergence_mrad", "sigma_range_m"});
   LidarScenario lidar;
   const ScannerAxes axes = ReadScannerAxes(s, false);
   lidar.mounting.R_bs_nominal = axes.R_bs_nominal;
   lidar.scan_axis_s = axes.scan_axis_s;
   lidar.nadir_axis_s = axes.nadir_axis_s;
-  lidar.mounting.lever_arm_b_m = s["lever_arm_m"].Vector3Or(Eigen::Vector3d::Zero());
-  lidar.mounting.boresight_rad = kRadPerDeg * s["boresight_deg"].Vector3Or(Eigen::Vector3d::Zero());
-  const double fov_deg = s["fov_deg"].PositiveOr(60.0);
+  lidar.mounting.lever_arm_b_m = ReadVector3Or(s["lever_arm_m"], Eigen::Vector3d::Zero());
+  lidar.mounting.boresight_rad =
+      kRadPerDeg * ReadVector3Or(s["boresight_deg"], Eigen::Vector3d::Zero());
+  const double fov_deg = ReadPositiveOr(s["fov_deg"], 60.0);
   if (fov_deg > 150.0) s["fov_deg"].Fail("must be at most 150");
   lidar.fov_rad = fov_deg * kRadPerDeg;
   if (s["pattern"]) lidar.pattern = s["pattern"].Choice(ScanPatternWords());
-  lidar.pulse_rate_hz = s["pulse_rate_hz"].PositiveOr(100000.0);
-  lidar.gsd_m = s["gsd_m"].Positive();
-  lidar.beam_divergence_rad = 1e-3 * s["beam_divergence_mrad"].NotNegativeOr(0.0);
-  lidar.sigma_range_m = s["sigma_range_m"].NotNegativeOr(0.02);
+  lidar.pulse_rate_hz = ReadPositiveOr(s["pulse_rate_hz"], 100000.0);
+  lidar.gsd_m = ReadPositive(s["gsd_m"]);
+  lidar.beam_divergence_rad = 1e-3 * ReadNotNegativeOr(s["beam_divergence_mrad"], 0.0);
+  lidar.sigma_range_m = ReadNotNegativeOr(s["sigma_range_m"], 0.02);
   return lidar;
 }
 
 PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
-  s.ExpectMapOrAbsent({"count", "sigma_p_m"});
+  ExpectMapOrAbsent(s, {"count", "sigma_p_m"});
   PairScenario pairs;
   pairs.where = s.where();
   pairs.count = s["count"] ? static_cast<long>(s["count"].Integer(0)) : 3000;
-  pairs.sigma_p_m = s["sigma_p_m"].PositiveOr(gsd_m / 2.0 / std::sqrt(3.0));
+  pairs.sigma_p_m = ReadPositiveOr(s["sigma_p_m"], gsd_m / 2.0 / std::sqrt(3.0));
   return pairs;
 }
 
 const EffectSpec& RequireEffect(const YamlValue& name) {
-  const EffectSpec* effect = FindEffect(name.Name());
+  const EffectSpec* effect = FindEffect(ReadName(name));
   if (effect == nullptr) {
-    name.Fail("unknown effect '" + name.Name() + "'; did you mean '" +
-              NearestName(name.Name(), EffectNames()) + "'?");
+    name.Fail("unknown effect '" + ReadName(name) + "'; did you mean '" +
+              NearestName(ReadName(name), EffectNames()) + "'?");
   }
   return *effect;
 }
@@ -217,7 +219,7 @@ Effect ReadEffect(const YamlValue& item) {
   Effect effect;
   effect.name = spec.name;
   effect.where = item.where();
-  if (item["value"]) effect.value = item["value"].NumberList();
+  if (item["value"]) effect.value = ReadNumberList(item["value"]);
   if (const auto fault = ValueFault(spec, effect.value)) item["value"].Fail(*fault);
   effect.times = ReadEffectTimes(item, spec);
   return effect;
@@ -230,12 +232,12 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   root.ExpectMap({"name", "origin_deg_m", "start_s", "plan", "terrain", "imu", "gnss", "lidar",
                   "pairs", "strips", "effects"});
   Scenario scenario;
-  scenario.name = root["name"].Name();
+  scenario.name = ReadName(root["name"]);
   scenario.origin = ReadOrigin(root["origin_deg_m"]);
-  scenario.start_s = root["start_s"].NotNegativeOr(0.0);
+  scenario.start_s = ReadNotNegativeOr(root["start_s"], 0.0);
   if (scenario.start_s >= kSecondsPerWeek) root["start_s"].Fail("must be less than a week");
   scenario.plan = ReadPlan(root["plan"], where);
-  scenario.strips = root["strips"].BoolOr(false);
+  scenario.strips = ReadBoolOr(root["strips"], false);
   scenario.terrain = ReadTerrain(root["terrain"], scenario.strips);
   scenario.imu = ReadImuScenario(root["imu"]);
   scenario.gnss = ReadGnssScenario(root["gnss"]);

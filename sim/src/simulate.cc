@@ -151,7 +151,7 @@ FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed) {
 }
 
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options) {
-  const auto report = [&](const char* stage) {
+  const auto progress = [&](const char* stage) {
     return [&options, stage](double fraction) {
       if (options.progress) options.progress(stage, fraction);
     };
@@ -165,7 +165,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.gnss_lever_arm_b_m = scenario.gnss.lever_arm_b_m + effects.gnss_lever_arm_b_m;
   out.lidar_lever_arm_b_m = scenario.lidar.mounting.lever_arm_b_m + effects.lidar_lever_arm_b_m;
 
-  report("trajectory")(0.0);
+  progress("trajectory")(0.0);
   CheckLimits(scenario, [](const auto&, const auto&) { return FileLocation(); });
   const FlownPlan flown = Plan(scenario, out.frame, options.seed, options.replay);
   CheckSamples(scenario.imu, flown.plan.duration_s);
@@ -180,9 +180,9 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
 
   out.flight.frame = out.frame;
   out.flight.config = AssumedConfig(scenario, out.strips);
-  report("imu")(0.0);
+  progress("imu")(0.0);
   SimulatedImu imu =
-      SimulateImu(scenario, *out.truth, {options.seed, options.noise, report("imu")}, effects);
+      SimulateImu(scenario, *out.truth, {options.seed, options.noise, progress("imu")}, effects);
   out.gyro_bias_radps = std::move(imu.gyro_bias_radps);
   out.accel_bias_mps2 = std::move(imu.accel_bias_mps2);
   out.flight.imu = std::move(imu.data);
@@ -190,11 +190,11 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   notes.velocity_from_file = true;
   out.flight.reference = Trajectory(std::move(imu.reference), notes);
   out.flight.trajectory = TurnedTrajectory(effects, *out.flight.reference);
-  report("gnss")(0.0);
+  progress("gnss")(0.0);
   out.flight.gnss = SimulateGnss(scenario.gnss, *out.truth, options.seed, options.noise, effects);
   if (scenario.pairs.count > 0) {
     out.flight.pairs = SimulatePairs(scenario, out.strips, out.truth, terrain,
-                                     {options.seed, options.noise, report("pairs")}, effects);
+                                     {options.seed, options.noise, progress("pairs")}, effects);
   }
   if (scenario.strips && !out.strips.empty()) {
     const LidarSpan span =

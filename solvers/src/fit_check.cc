@@ -34,7 +34,7 @@ RowFit Worst(const LinearizedNetwork& linearized, const Eigen::VectorXd& residua
     worst_row = row;
   }
   if (worst_row < 0) return {};
-  return {linearized.RowAt(worst_row), worst, redundancy[worst_row]};
+  return {FindRow(linearized, worst_row), worst, redundancy[worst_row]};
 }
 
 double MedianDetectable(const ResidualForm& form, const Eigen::VectorXd& redundancy,

@@ -129,10 +129,11 @@ LinearizedNetwork LinearizedNetwork::Scaled(const Eigen::VectorXd& row_scale) co
 
 const Eigen::VectorXd& LinearizedNetwork::row_scale() const { return impl_->row_scale; }
 
-Eigen::MatrixXd LinearizedNetwork::ToRowScaling(const FactorRows& rows,
-                                                const Eigen::MatrixXd& L) const {
+Eigen::MatrixXd ToRowScaling(const LinearizedNetwork& linearized,
+                             const LinearizedNetwork::FactorRows& rows, const Eigen::MatrixXd& L) {
   ExpectRows(L.rows(), rows.count, "residuals of the factor");
-  return std::sqrt(rows.weight) * (row_scale().segment(rows.first, rows.count).asDiagonal() * L);
+  return std::sqrt(rows.weight) *
+         (linearized.row_scale().segment(rows.first, rows.count).asDiagonal() * L);
 }
 
 int LinearizedNetwork::parameters() const { return impl_->layout.size(); }
@@ -165,18 +166,21 @@ const FactorGroup& LinearizedNetwork::group(FactorId factor) const {
 
 double LinearizedNetwork::t_s(FactorId factor) const { return impl_->factor(factor).t_s; }
 
-LinearizedNetwork::Row LinearizedNetwork::RowAt(Eigen::Index row) const {
-  if (row < 0 || row >= rows()) {
+LinearizedNetwork::Row FindRow(const LinearizedNetwork& linearized, Eigen::Index row) {
+  if (row < 0 || row >= linearized.rows()) {
     throw InvalidInput("linearised network: no row " + std::to_string(row) + " of " +
-                       std::to_string(rows()));
+                       std::to_string(linearized.rows()));
   }
-  const auto past = std::upper_bound(
-      factors().begin(), factors().end(), row,
-      [](Eigen::Index wanted, const FactorRows& rows) { return wanted < rows.first; });
-  const FactorRows& rows = *std::prev(past);
-  const int residual = static_cast<int>(row) - rows.first;
-  const FactorGroup& of = group(rows.factor);
-  return {rows.factor, residual, of.Channel(residual), of.Axis(residual), t_s(rows.factor)};
+  const std::vector<LinearizedNetwork::FactorRows>& factors = linearized.factors();
+  const auto past =
+      std::upper_bound(factors.begin(), factors.end(), row,
+                       [](Eigen::Index wanted, const LinearizedNetwork::FactorRows& rows) {
+                         return wanted < rows.first;
+                       });
+  const FactorId factor = std::prev(past)->factor;
+  const int residual = static_cast<int>(row) - std::prev(past)->first;
+  const FactorGroup& group = linearized.group(factor);
+  return {factor, residual, group.Channel(residual), group.Axis(residual), linearized.t_s(factor)};
 }
 
 LinearizedNetwork::Factor LinearizedNetwork::EvaluateFactorAt(FactorId factor) const {

@@ -13,33 +13,10 @@
 #include "sparse/sparse.h"
 
 namespace dn {
-namespace {
+namespace solvers_internal {
 
-constexpr int kMaxThreads = 2;
-constexpr Eigen::Index kMaxRowsExactParts = 400;
-
-void ExpectRows(Eigen::Index shares, const LinearizedNetwork& linearized) {
-  if (shares == linearized.rows()) return;
-  throw InvalidInput("restricted likelihood: " + std::to_string(shares) + " shares for " +
-                     std::to_string(linearized.rows()) + " residuals");
-}
-
-void CheckShare(const Eigen::VectorXd& share) {
-  for (Eigen::Index row = 0; row < share.size(); ++row) {
-    if (share[row] >= 0.0 && std::isfinite(share[row])) continue;
-    throw InvalidInput("restricted likelihood: the variance share of row " + std::to_string(row) +
-                       " is " + std::to_string(share[row]) + ", must be finite and at least 0");
-  }
-}
-
-void CheckTheta(double theta, double largest_share) {
-  if (std::isfinite(theta) && 1.0 + theta * largest_share > 0.0) return;
-  throw InvalidInput("restricted likelihood: with theta " + std::to_string(theta) +
-                     " the smallest variance is " + std::to_string(1.0 + theta * largest_share) +
-                     ", must be positive");
-}
-
-/// Evaluates the likelihood for one variance vector after another, in one thread.
+/// Evaluates the likelihood for one variance vector after another, in one thread. A member of
+/// VarianceLikelihood has this type, so it is not in an unnamed namespace.
 class Likelihood {
  public:
   /// `analysed` has the analysed pattern of `equations`; null if there are no unknowns.
@@ -75,6 +52,34 @@ class Likelihood {
   sparse::NormalEquations equations_;
   std::unique_ptr<sparse::Cholesky> cholesky_;
 };
+
+}  // namespace solvers_internal
+
+namespace {
+
+constexpr int kMaxThreads = 2;
+constexpr Eigen::Index kMaxRowsExactParts = 400;
+
+void ExpectRows(Eigen::Index shares, const LinearizedNetwork& linearized) {
+  if (shares == linearized.rows()) return;
+  throw InvalidInput("restricted likelihood: " + std::to_string(shares) + " shares for " +
+                     std::to_string(linearized.rows()) + " residuals");
+}
+
+void CheckShare(const Eigen::VectorXd& share) {
+  for (Eigen::Index row = 0; row < share.size(); ++row) {
+    if (share[row] >= 0.0 && std::isfinite(share[row])) continue;
+    throw InvalidInput("restricted likelihood: the variance share of row " + std::to_string(row) +
+                       " is " + std::to_string(share[row]) + ", must be finite and at least 0");
+  }
+}
+
+void CheckTheta(double theta, double largest_share) {
+  if (std::isfinite(theta) && 1.0 + theta * largest_share > 0.0) return;
+  throw InvalidInput("restricted likelihood: with theta " + std::to_string(theta) +
+                     " the smallest variance is " + std::to_string(1.0 + theta * largest_share) +
+                     ", must be positive");
+}
 
 /// Calls use(R) for matrices with R R^T = M on average, and returns the number of calls.
 template <class Use>
@@ -117,8 +122,10 @@ struct VarianceLikelihood::Impl {
     std::vector<double> values(thetas.size());
     ParallelFor(static_cast<int>(size), static_cast<int>(size), [&](int thread) {
       const sparse::SerialBlas serial;
-      std::unique_ptr<Likelihood>& worker = workers[static_cast<std::size_t>(thread)];
-      if (!worker) worker = std::make_unique<Likelihood>(network, equations, analysed.get());
+      std::unique_ptr<solvers_internal::Likelihood>& worker =
+          workers[static_cast<std::size_t>(thread)];
+      if (!worker)
+        worker = std::make_unique<solvers_internal::Likelihood>(network, equations, analysed.get());
       for (auto k = static_cast<std::size_t>(thread); k < thetas.size(); k += size) {
         values[k] = worker->At((1.0 + thetas[k] * share.array()).matrix());
       }
@@ -130,7 +137,7 @@ struct VarianceLikelihood::Impl {
   Eigen::VectorXd share;
   sparse::NormalEquations equations;
   std::unique_ptr<const sparse::Cholesky> analysed;
-  std::vector<std::unique_ptr<Likelihood>> workers;  // one per thread
+  std::vector<std::unique_ptr<solvers_internal::Likelihood>> workers;  // one per thread
   std::map<double, double> known;
 };
 

@@ -164,7 +164,7 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   for (std::size_t k = 0; k < from.size(); ++k) {
     touched.L.col(static_cast<Eigen::Index>(k)) = from[k].first->col(from[k].second);
   }
-  touched.L = linearized.ToRowScaling(rows, touched.L);
+  touched.L = ToRowScaling(linearized, rows, touched.L);
   touched.runs = Runs(touched.columns);
   return touched;
 }
@@ -406,15 +406,19 @@ ScoreTest TestJointly(const JointScore& score, const std::vector<Eigen::Index>& 
                    score.signature2(components));
 }
 
-JointScore ConditionOnComponents(const JointScore& score,
-                                 const std::vector<Eigen::Index>& components) {
-  const ScoreTest test = TestJointly(score, components);
-  const Eigen::MatrixXd A_jk = score.A(Eigen::all, components);
-  const Eigen::MatrixXd gain = test.covariance * A_jk.transpose();  // A_kk^+ A_kj
+ScoreTest TestCombinations(const JointScore& score, const Eigen::MatrixXd& T) {
+  return TestScore(T.transpose() * score.s, T.transpose() * score.A * T,
+                   T.cwiseAbs2().transpose() * score.signature2);
+}
+
+JointScore ConditionOn(const JointScore& score, const Eigen::MatrixXd& T) {
+  if (T.cols() == 0) return score;
+  const ScoreTest test = TestCombinations(score, T);
+  const Eigen::MatrixXd AT = score.A * T;
   JointScore given = score;
-  given.s += A_jk * test.estimate;
-  given.A -= A_jk * gain;
-  if (score.shift.size() > 0) given.shift -= score.shift(Eigen::all, components) * gain;
+  given.s += AT * test.estimate;
+  given.A -= AT * test.covariance * AT.transpose();
+  given.shift -= score.shift * T * test.covariance * AT.transpose();
   return given;
 }
 

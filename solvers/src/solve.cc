@@ -90,28 +90,28 @@ CostSummary CountNetwork(const Network& network) {
 constexpr const char* kShortStep = "the last step was shorter than sigma_tolerance";
 constexpr const char* kStopped = "stopped on request";
 
-std::string EndText(sparse::GaussNewtonReport::End end) {
+std::string EndText(sparse::GaussNewtonSummary::End end) {
   switch (end) {
-    case sparse::GaussNewtonReport::End::kGradient:
+    case sparse::GaussNewtonSummary::End::kGradient:
       return "the gradient is below gradient_tolerance";
-    case sparse::GaussNewtonReport::End::kCost:
+    case sparse::GaussNewtonSummary::End::kCost:
       return "the last step changed the cost by less than function_tolerance";
-    case sparse::GaussNewtonReport::End::kShortStep:
+    case sparse::GaussNewtonSummary::End::kShortStep:
       break;
   }
   return kShortStep;
 }
 
-SolveReport FinishedReport(const sparse::GaussNewtonReport& steps, double time_s) {
-  SolveReport report;
-  report.converged = !steps.interrupted;
-  report.interrupted = steps.interrupted;
-  report.iterations = steps.iterations;
-  report.initial_cost = steps.initial_cost;
-  report.final_cost = steps.final_cost;
-  report.time_s = time_s;
-  report.message = steps.interrupted ? kStopped : EndText(steps.end);
-  return report;
+SolveSummary FinishedSummary(const sparse::GaussNewtonSummary& steps, double time_s) {
+  SolveSummary summary;
+  summary.converged = !steps.interrupted;
+  summary.interrupted = steps.interrupted;
+  summary.iterations = steps.iterations;
+  summary.initial_cost = steps.initial_cost;
+  summary.final_cost = steps.final_cost;
+  summary.time_s = time_s;
+  summary.message = steps.interrupted ? kStopped : EndText(steps.end);
+  return summary;
 }
 
 /// Returns NaN for a cost that Ceres could not compute; Ceres returns -1.
@@ -121,31 +121,31 @@ double DefinedCost(double cost) {
 
 /// Runs Ceres once from the values of the network. `observer` must be among the callbacks of
 /// `options`.
-SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
-                        const IterationObserver& observer) {
+SolveSummary DampedSteps(Network& network, const ceres::Solver::Options& options,
+                         const IterationObserver& observer) {
   NetworkProblem problem(network);
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem.problem(), &summary);
+  ceres::Solver::Summary of_ceres;
+  ceres::Solve(options, &problem.problem(), &of_ceres);
   problem.RethrowFactorException();
 
-  SolveReport report;
-  const bool ended_here = summary.termination_type == ceres::USER_SUCCESS;
-  report.converged =
-      summary.termination_type == ceres::CONVERGENCE || (ended_here && observer.settled());
-  report.interrupted = ended_here && !observer.settled();
-  report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
-  report.initial_cost = DefinedCost(summary.initial_cost);
-  report.final_cost = DefinedCost(summary.final_cost);
-  report.time_s = summary.total_time_in_seconds;
-  report.message = summary.message;
-  if (report.interrupted) report.message = kStopped;
-  if (ended_here && observer.settled()) report.message = kShortStep;
-  if (summary.termination_type == ceres::FAILURE) {
+  SolveSummary summary;
+  const bool ended_here = of_ceres.termination_type == ceres::USER_SUCCESS;
+  summary.converged =
+      of_ceres.termination_type == ceres::CONVERGENCE || (ended_here && observer.settled());
+  summary.interrupted = ended_here && !observer.settled();
+  summary.iterations = std::max(0, static_cast<int>(of_ceres.iterations.size()) - 1);
+  summary.initial_cost = DefinedCost(of_ceres.initial_cost);
+  summary.final_cost = DefinedCost(of_ceres.final_cost);
+  summary.time_s = of_ceres.total_time_in_seconds;
+  summary.message = of_ceres.message;
+  if (summary.interrupted) summary.message = kStopped;
+  if (ended_here && observer.settled()) summary.message = kShortStep;
+  if (of_ceres.termination_type == ceres::FAILURE) {
     const FactorId undefined = FindUndefinedFactor(network);
-    report.message = undefined >= 0 ? UndefinedFactorMessage(network, undefined)
-                                    : "numerical failure: " + summary.message;
+    summary.message = undefined >= 0 ? UndefinedFactorMessage(network, undefined)
+                                     : "numerical failure: " + of_ceres.message;
   }
-  return report;
+  return summary;
 }
 
 /// Networks with fewer blocks use damped steps from the start: these are cheap and converge from
@@ -154,35 +154,35 @@ constexpr int kLargeNetwork = 100;
 
 /// Takes Gauss-Newton steps if the network is large, and continues with damped steps if they do not
 /// finish.
-SolveReport Attempt(Network& network, const SolveOptions& options,
-                    ceres::Solver::Options ceres_options, IterationObserver* observer) {
+SolveSummary Attempt(Network& network, const SolveOptions& options,
+                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const Stopwatch watch;
-  sparse::GaussNewtonReport undamped;
+  sparse::GaussNewtonSummary undamped;
   if (options.start_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
     undamped = sparse::GaussNewton(network, options);
-    if (!undamped.unfinished) return FinishedReport(undamped, watch.seconds());
+    if (!undamped.unfinished) return FinishedSummary(undamped, watch.seconds());
   }
   if (undamped.initial_reported) observer->ContinueAfter(undamped.iterations);
   ceres_options.max_num_iterations -= undamped.iterations;
-  SolveReport report = DampedSteps(network, ceres_options, *observer);
-  if (undamped.initial_reported) report.initial_cost = undamped.initial_cost;
-  report.iterations += undamped.iterations;
-  report.time_s = watch.seconds();
-  return report;
+  SolveSummary summary = DampedSteps(network, ceres_options, *observer);
+  if (undamped.initial_reported) summary.initial_cost = undamped.initial_cost;
+  summary.iterations += undamped.iterations;
+  summary.time_s = watch.seconds();
+  return summary;
 }
 
 /// Solves the network. If the solution ends on a plateau, it is repeated from the initial values.
 /// In the second attempt an unknown cannot lengthen its step by losing its influence.
-SolveReport SolveTwice(Network& network, const SolveOptions& options,
-                       ceres::Solver::Options ceres_options, IterationObserver* observer) {
+SolveSummary SolveTwice(Network& network, const SolveOptions& options,
+                        ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const PlateauCheck check(network);
-  SolveReport first = Attempt(network, options, ceres_options, observer);
+  SolveSummary first = Attempt(network, options, ceres_options, observer);
   if (!first.converged || check.FindPlateauUnknown(network).empty()) return first;
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
   ceres_options.min_lm_diagonal = 1.0;
   observer->Restart();
-  SolveReport second = DampedSteps(network, ceres_options, *observer);
+  SolveSummary second = DampedSteps(network, ceres_options, *observer);
   second.iterations += first.iterations;
   second.time_s += first.time_s;
   const bool better = second.converged || second.final_cost <= first.final_cost;
@@ -219,7 +219,7 @@ void SolveOptions::Validate() const {
           "initial_trust_region_radius", initial_trust_region_radius, "in (0, 1e16]");
 }
 
-SolveReport Solve(Network& network, const SolveOptions& options) {
+SolveSummary Solve(Network& network, const SolveOptions& options) {
   options.Validate();
   if (options.check_jacobians) {
     const std::vector<JacobianFault> faults = CheckJacobians(network, {.most_per_class = 3});
@@ -232,13 +232,13 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   if (options.on_iteration || options.sigma_tolerance > 0.0) {
     ceres_options.callbacks.push_back(&observer);
   }
-  SolveReport report = options.second_attempt
-                           ? SolveTwice(network, options, ceres_options, &observer)
-                           : Attempt(network, options, ceres_options, &observer);
-  report.adjusted = CountNetwork(network);
-  report.adjusted.cost = report.final_cost;
-  for (const MovedPrior& prior : FindMovedPriors(network)) report.warnings.push_back(prior.text);
-  return report;
+  SolveSummary summary = options.second_attempt
+                             ? SolveTwice(network, options, ceres_options, &observer)
+                             : Attempt(network, options, ceres_options, &observer);
+  summary.adjusted = CountNetwork(network);
+  summary.adjusted.cost = summary.final_cost;
+  for (const MovedPrior& prior : FindMovedPriors(network)) summary.warnings.push_back(prior.text);
+  return summary;
 }
 
 CostSummary EvaluateCost(const Network& network, int threads) {

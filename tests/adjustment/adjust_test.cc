@@ -129,7 +129,7 @@ TEST(Adjust, StagesAreAnnouncedInOrder) {
   EXPECT_EQ(announced.front(), "alignment");
   EXPECT_EQ(announced.back(), "final least squares");
   int iterations = 0;
-  for (const StageReport& stage : adjustment.stages) {
+  for (const StageSummary& stage : adjustment.stages) {
     EXPECT_LE(stage.cost_after, stage.cost_before * (1.0 + 1e-12));
     iterations += stage.iterations;
   }

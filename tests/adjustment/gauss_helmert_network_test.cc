@@ -92,15 +92,15 @@ TEST_P(GaussHelmertNetwork, EqualsTheNetworkWithPosePriors) {
   solve_options.gradient_tolerance = 1e-16;
   solve_options.parameter_tolerance = 1e-16;
   solve_options.initial_trust_region_radius = 1e6;  // almost Gauss-Newton
-  const SolveReport report = Solve(network.net, solve_options);
-  ASSERT_GT(report.iterations, 0) << report.message;
+  const SolveSummary summary = Solve(network.net, solve_options);
+  ASSERT_GT(summary.iterations, 0) << summary.message;
   const Marginals marginals(network.net);
 
   const Eigen::Vector3d theta = Log(network.net.Value(network.boresight));
   EXPECT_LE((gh.boresight_rad - theta).norm(), kEqual * theta.norm());
   const Eigen::Matrix3d N = marginals.ReducedNormal(network.boresight.id);
   EXPECT_LE((gh.normal - N).norm(), kEqual * N.norm());
-  EXPECT_NEAR(gh.chi2, 2.0 * report.final_cost, kEqual * gh.chi2);
+  EXPECT_NEAR(gh.chi2, 2.0 * summary.final_cost, kEqual * gh.chi2);
   // The corrected observations equal the adjusted poses.
   const GaussHelmertEnd& end = problem.pairs[7].j;
   const Eigen::Vector3d p = end.p_mb + gh.corrections[7].segment<3>(6);

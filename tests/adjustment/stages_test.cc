@@ -87,7 +87,7 @@ TEST(Stages, OneMayBeAdded) {
   options.stages.insert(FindStage("pair rejection", &options.stages),
                         {"look", [&](AdjustmentRun& run) {
                            EXPECT_EQ(&run.flight(), &sim.flight);
-                           for (const StageReport& stage : run.result().stages) {
+                           for (const StageSummary& stage : run.result().stages) {
                              solved_before.push_back(stage.name);
                            }
                            run.Solve("once more", 3);

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/files/flight_config.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
@@ -112,7 +113,7 @@ TEST(CliSmooth, SmoothJson) {
   EXPECT_TRUE(smooth["adjustment"]["converged"].get<bool>());
   const Json& innovations = smooth["innovations"]["gnss position"];
   EXPECT_TRUE(innovations["nis"].is_number());
-  for (const char* axis : {"east", "north", "up"}) {
+  for (const char* axis : kEnu) {
     EXPECT_THAT(JsonKeys(innovations[axis]),
                 IsSupersetOf({"mean", "variance", "expected_variance", "lag1_correlation",
                               "autocorrelation", "worst_epochs"}));

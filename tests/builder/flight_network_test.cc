@@ -647,8 +647,8 @@ TEST(FlightNetwork, RepreintegratingAConvergedNetworkChangesNothing) {
   network.Repreintegrate();
   EXPECT_EQ(network.inertial().BiasChange(), 0.0) << "no bias has moved in between";
   EXPECT_NEAR(EvaluateCost(network.net()).cost, cost, 1e-6 * cost);
-  const SolveReport report = Solve(network.net());
-  EXPECT_TRUE(report.converged);
+  const SolveSummary summary = Solve(network.net());
+  EXPECT_TRUE(summary.converged);
   const Eigen::Vector3d moved =
       Log(network.net().Value(network.calibration().boresight()) * before.conjugate());
   constexpr double kOfSigma = 1e-3;  // the last solution has a tolerance of 1e-10 of the cost

@@ -35,13 +35,13 @@ std::string Fault(const std::function<void()>& act) {
 TEST(YamlValue, ReadsValues) {
   const YamlValue root = Root();
   EXPECT_EQ(root["a"].Number(), 1.5);
-  EXPECT_EQ(root["b"]["c"].Vector3(), Eigen::Vector3d(1, 2, 3));
-  EXPECT_THAT(root["b"]["c"].NumberList(), ElementsAre(1, 2, 3));
-  EXPECT_THAT(root["a"].NumberList(), ElementsAre(1.5));
+  EXPECT_EQ(ReadVector3(root["b"]["c"]), Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(ReadNumberList(root["b"]["c"]), ElementsAre(1, 2, 3));
+  EXPECT_THAT(ReadNumberList(root["a"]), ElementsAre(1.5));
   EXPECT_EQ(root["list"].List()[0]["x"].Integer(0), 2);
   EXPECT_EQ(root["list"].List()[1].Text(), "word");
   EXPECT_EQ(root["list"].List()[1].path(), "list[1]");
-  EXPECT_TRUE(root["yes"].BoolOr(false));
+  EXPECT_TRUE(ReadBoolOr(root["yes"], false));
 }
 
 TEST(YamlValue, AbsentValuesHaveTheLocationOfTheirParent) {
@@ -49,9 +49,9 @@ TEST(YamlValue, AbsentValuesHaveTheLocationOfTheirParent) {
   EXPECT_TRUE(root["z"].absent());
   EXPECT_TRUE(root["b"]["d"].absent());
   EXPECT_TRUE(root["z"]["y"]["x"].absent());
-  EXPECT_EQ(root["z"]["y"].NumberOr(7.0), 7.0);
-  EXPECT_EQ(root["z"].Vector3Or({1, 2, 3}), Eigen::Vector3d(1, 2, 3));
-  root["z"].ExpectMapOrAbsent({"y"});
+  EXPECT_EQ(ReadNumberOr(root["z"]["y"], 7.0), 7.0);
+  EXPECT_EQ(ReadVector3Or(root["z"], {1, 2, 3}), Eigen::Vector3d(1, 2, 3));
+  ExpectMapOrAbsent(root["z"], {"y"});
   EXPECT_EQ(Fault([&] { root["b"]["e"].Number(); }), "2:4 b.e: expected a number, found nothing");
   EXPECT_EQ(Fault([&] { root["b"]["e"]["f"].Text(); }),
             "2:4 b.e.f: expected a word, found nothing");
@@ -67,9 +67,9 @@ TEST(YamlValue, ErrorsNameKeyPathLineAndColumn) {
               root["b"].ExpectMap({"c", "dd"});
             }),
             "2:19 b: unknown key 'd'; did you mean 'c'?");
-  EXPECT_EQ(Fault([&] { root["a"].ExpectMapOrAbsent({"c"}); }),
+  EXPECT_EQ(Fault([&] { ExpectMapOrAbsent(root["a"], {"c"}); }),
             "1:4 a: expected a map of keys, found '1.5'");
-  EXPECT_EQ(Fault([&] { root["b"]["c"].Numbers(2); }),
+  EXPECT_EQ(Fault([&] { ReadNumbers(root["b"]["c"], 2); }),
             "2:8 b.c: expected a list of 2 numbers, found a list of 3");
   EXPECT_THAT(Fault([] { ParseYaml("a: [1\nb: 2\n", "file.yaml"); }), HasSubstr("not valid YAML"));
   EXPECT_EQ(Fault([] { ParseYaml("", "file.yaml"); }), "1:0 the configuration is empty");
@@ -114,7 +114,7 @@ TEST(YamlChanges, AreMadeOneAfterTheOther) {
   const YamlValue changed = ParseYaml(
       WithYamlChanges(kText, {"a=2", "new.key=[1]", "new.key=[3, 4]", "b.c=~"}, "a=1"), "x");
   EXPECT_EQ(changed["a"].Number(), 2.0);
-  EXPECT_THAT(changed["new"]["key"].NumberList(), ElementsAre(3, 4));
+  EXPECT_THAT(ReadNumberList(changed["new"]["key"]), ElementsAre(3, 4));
   EXPECT_TRUE(changed["b"]["c"].absent());
   EXPECT_EQ(WithYamlChanges(kText, {}, "a=1"), kText);
 }

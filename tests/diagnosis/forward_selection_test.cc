@@ -32,7 +32,7 @@ class KnownFits {
     auto fit = std::make_unique<ExtendedFit>();
     fit->chosen = chosen;
     for (const auto& [id, nats] : fits_.at(ids)) {
-      HypothesisEvidence effect{MakeHypothesis(id)};
+      HypothesisEvidence effect{MakeHypothesis(id), {}};
       effect.log_evidence = nats;
       effect.estimate = effect.sigma = Eigen::VectorXd::Ones(effect.typical.size());
       fit->effects.push_back(std::move(effect));

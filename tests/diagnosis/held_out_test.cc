@@ -21,7 +21,7 @@ Flight Drone(const std::string& effects = "", std::uint64_t seed = 1) {
 
 /// Returns an effect with its estimate, SI.
 HypothesisEvidence Estimated(EffectId id, const Eigen::VectorXd& estimate) {
-  HypothesisEvidence effect{MakeHypothesis(id)};
+  HypothesisEvidence effect{MakeHypothesis(id), {}};
   effect.estimate = estimate;
   effect.sigma = Eigen::VectorXd::Zero(estimate.size());
   return effect;

@@ -1,5 +1,6 @@
 #include "replicates.h"
 
+#include <dn/axis_names.h>
 #include <dn/distributions.h>
 #include <dn/sim/random.h>
 #include <gmock/gmock.h>
@@ -134,7 +135,7 @@ TEST(Locations, LinearReplicatesAreAlike) {
 TEST(Locations, NoiseOfGnssShowsInGnss) {
   const Comparison noisy = CompareDrone("effects: [{effect: gnss_noise_scale, value: 1.5}]");
   EXPECT_LE(noisy.test.p_value, 0.03);
-  for (const char* axis : {"east", "north", "up"}) {
+  for (const char* axis : kEnu) {
     EXPECT_GT(Z(noisy, std::string("gnss position ") + axis + ", mean square"), 5.0) << axis;
   }
   EXPECT_LT(std::abs(Z(noisy, "lidar p2p east, mean square")), 4.0);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/diagnosis/diagnosis.h>
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/geo/local_frame.h>
 
 #include <limits>
@@ -22,7 +22,7 @@ inline GapCause LeverArmCause() {
   cause.estimate = Eigen::Vector3d(0.1, 0.0, -0.05);
   cause.sigma = Eigen::Vector3d(0.004, 0.004, 0.006);
   cause.absorbed_fraction = 0.98;
-  cause.boresight_shift_rad = Mdeg(3.0, -4.0, 14.0);
+  cause.boresight_rad = Mdeg(3.0, -4.0, 14.0);
   cause.inseparable_from = {"lidar_lever_arm"};
   cause.held_out_gain_nats = 12.5;
   return cause;

@@ -1,7 +1,7 @@
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <dn/matching/match.h>
-#include <dn/matching/match_report.h>
+#include <dn/matching/match_output.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

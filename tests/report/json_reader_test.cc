@@ -104,9 +104,9 @@ TEST(JsonPlace, ReadsKindsWithinTheirRanges) {
   EXPECT_EQ(place.At("u").Unsigned(), 18446744073709551615U);
   EXPECT_EQ(place.At("t").Text(), "x");
   EXPECT_TRUE(place.At("b").Flag());
-  EXPECT_TRUE(std::isnan(place.At("v").Vector3().z()));
-  EXPECT_EQ(place.At("m").Matrix3()(1, 2), 6.0);
-  EXPECT_EQ(place.At("l").Texts(), (std::vector<std::string>{"p", "q"}));
+  EXPECT_TRUE(std::isnan(ReadVector3(place.At("v")).z()));
+  EXPECT_EQ(ReadMatrix3(place.At("m"))(1, 2), 6.0);
+  EXPECT_EQ(ReadTexts(place.At("l")), (std::vector<std::string>{"p", "q"}));
   EXPECT_EQ(place.At("l").At(1).Text(), "q");
   EXPECT_TRUE(place.Has("l"));
   EXPECT_FALSE(place.Has("absent"));
@@ -132,13 +132,13 @@ TEST(JsonPlace, NamesFileAndPlaceOfWhatItDoesNotExpect) {
                 HasSubstr("is not an integer within 0 and 9"))
         << key;
   }
-  EXPECT_THAT(Refusal([&] { list.FiniteVector3(); }), Not(HasSubstr("read")));
+  EXPECT_THAT(Refusal([&] { ReadFiniteVector3(list); }), Not(HasSubstr("read")));
   EXPECT_THAT(Refusal([&] { root.At("a/b").Text(); }), HasSubstr("is not a string"));
   EXPECT_THAT(Refusal([&] { list.At(1).Text(0); }), HasSubstr("longer than 0 bytes"));
   EXPECT_THAT(Refusal([&] { root.At("half").Flag(); }), HasSubstr("is neither true nor false"));
   EXPECT_THAT(Refusal([&] { root.At("half").Unsigned(); }), HasSubstr("is not an integer"));
-  EXPECT_THAT(Refusal([&] { root.At("half").Vector3(); }), HasSubstr("is not a list of three"));
-  EXPECT_THAT(Refusal([&] { root.At("half").Matrix3(); }), HasSubstr("is not a list of three"));
+  EXPECT_THAT(Refusal([&] { ReadVector3(root.At("half")); }), HasSubstr("is not a list of three"));
+  EXPECT_THAT(Refusal([&] { ReadMatrix3(root.At("half")); }), HasSubstr("is not a list of three"));
 }
 
 }  // namespace dn::report_test

@@ -57,9 +57,9 @@ std::vector<BlockId> Ids(const std::vector<Block<Vec<2>>>& blocks, std::size_t f
 /// Expects the same values and covariances of the blocks that both networks have.
 void ExpectSameResult(Network whole, Network rest, double tolerance = kEliminationTolerance) {
   ASSERT_TRUE(Solve(whole).converged);
-  const SolveReport report = Solve(rest);
-  ASSERT_TRUE(report.converged);
-  EXPECT_THAT(report.warnings, IsEmpty());
+  const SolveSummary summary = Solve(rest);
+  ASSERT_TRUE(summary.converged);
+  EXPECT_THAT(summary.warnings, IsEmpty());
   const Marginals expected(whole), got(rest);
   int compared = 0;
   for (BlockId b = 0; b < rest.num_blocks(); ++b) {
@@ -214,9 +214,9 @@ TEST(Eliminate, WarnsIfTheNeighboursMoveTooFar) {
   EXPECT_THAT(Solve(ranges.net).warnings, IsEmpty());
   ranges.net.Add([](const auto& q) { return (q - Eigen::Vector2d(7.0, 2.0)).eval(); },
                  Noise<2>::Sigma(0.01), ranges.b);
-  const SolveReport report = Solve(ranges.net);
-  ASSERT_EQ(report.warnings.size(), 1U);
-  EXPECT_THAT(report.warnings[0], HasSubstr("since the elimination"));
+  const SolveSummary summary = Solve(ranges.net);
+  ASSERT_EQ(summary.warnings.size(), 1U);
+  EXPECT_THAT(summary.warnings[0], HasSubstr("since the elimination"));
   const std::vector<MovedPrior> moved = FindMovedPriors(ranges.net);
   ASSERT_EQ(moved.size(), 1U);
   EXPECT_EQ(moved[0].factor, out.prior);

@@ -72,9 +72,10 @@ TEST(Solve, NamesTheRowThatAFactorDoesNotWrite) {
   Network net;
   const auto x = net.AddScalar("x", 1.0);
   net.Add(HalfWritten{}, x);
-  const SolveReport report = Solve(net);
-  EXPECT_FALSE(report.converged);
-  EXPECT_THAT(report.message, HasSubstr("factor 0 on 'x' does not write row 1 of its 2 residuals"));
+  const SolveSummary summary = Solve(net);
+  EXPECT_FALSE(summary.converged);
+  EXPECT_THAT(summary.message,
+              HasSubstr("factor 0 on 'x' does not write row 1 of its 2 residuals"));
   EXPECT_THAT([&] { Marginals{net}; }, ThrowsMessage<InvalidInput>(HasSubstr("row 1 of its 2")));
   EXPECT_THAT([&] { EvaluateCost(net); }, ThrowsMessage<InvalidInput>(HasSubstr("row 1 of its 2")));
 }
@@ -96,10 +97,10 @@ TEST(Solve, ReportsRedundancyAndSigma0) {
   for (const double z : {1.0, 2.0, 6.0}) {
     net.Add([z](const auto& v) { return v - z; }, Noise<1>::Sigma(2.0), x);
   }
-  const SolveReport report = Solve(net);
-  EXPECT_EQ(report.adjusted.redundancy(), 2);
-  EXPECT_NEAR(report.adjusted.sigma0(), std::sqrt((4.0 + 1.0 + 9.0) / 4.0 / 2.0), 1e-12);
-  EXPECT_NEAR(EvaluateCost(net).sigma0(), report.adjusted.sigma0(), 1e-12);
+  const SolveSummary summary = Solve(net);
+  EXPECT_EQ(summary.adjusted.redundancy(), 2);
+  EXPECT_NEAR(summary.adjusted.sigma0(), std::sqrt((4.0 + 1.0 + 9.0) / 4.0 / 2.0), 1e-12);
+  EXPECT_NEAR(EvaluateCost(net).sigma0(), summary.adjusted.sigma0(), 1e-12);
   net.RemoveFactor(0);
   net.RemoveFactor(1);
   EXPECT_TRUE(std::isnan(Solve(net).adjusted.sigma0()));

@@ -79,8 +79,8 @@ TEST(GaussNewton, EndsWhereDampedStepsEnd) {
         graph->network.SetLoss(graph->relative[k], Loss::Huber(1.0));
       }
     }
-    const SolveReport a = Solve(undamped.network, {.threads = 2});
-    const SolveReport b = Solve(damped.network, {.start_undamped = false});
+    const SolveSummary a = Solve(undamped.network, {.threads = 2});
+    const SolveSummary b = Solve(damped.network, {.start_undamped = false});
     ASSERT_TRUE(a.converged && b.converged) << a.message << "; " << b.message;
     EXPECT_NEAR(a.initial_cost, b.initial_cost, 1e-9 * b.initial_cost);
     EXPECT_NEAR(a.final_cost, b.final_cost, 1e-9 * b.final_cost);
@@ -99,25 +99,25 @@ TEST(GaussNewton, DampedStepsGoOnWhereAnUndampedOneLeadsAstray) {
   f.z = 3.0;
   Row row = MakeRow(f, 0.0);
   std::vector<int> iterations;
-  const SolveReport report =
+  const SolveSummary summary =
       Solve(row.net, {.on_iteration = [&](const IterationProgress& progress) {
               iterations.push_back(progress.iteration);
               return true;
             }});
-  ASSERT_TRUE(report.converged) << report.message;
+  ASSERT_TRUE(summary.converged) << summary.message;
   EXPECT_LT(LargestError(row, 3.0), 1e-7);
-  ASSERT_EQ(static_cast<int>(iterations.size()), report.iterations + 1);
+  ASSERT_EQ(static_cast<int>(iterations.size()), summary.iterations + 1);
   for (std::size_t k = 0; k < iterations.size(); ++k) {
     EXPECT_EQ(iterations[k], static_cast<int>(k));
   }
   const double atan3 = 10.0 * std::atan(3.0);
-  EXPECT_NEAR(report.initial_cost, 0.5 * kManyBlocks * atan3 * atan3, 1e-9);
+  EXPECT_NEAR(summary.initial_cost, 0.5 * kManyBlocks * atan3 * atan3, 1e-9);
 }
 
 TEST(GaussNewton, DampedStepsGoOnWhereAFactorIsUndefined) {
   Row row = MakeRow(Root{}, 9.0);
-  const SolveReport report = Solve(row.net);
-  ASSERT_TRUE(report.converged) << report.message;
+  const SolveSummary summary = Solve(row.net);
+  ASSERT_TRUE(summary.converged) << summary.message;
   EXPECT_LT(LargestError(row, 1.0), 1e-7);
 }
 
@@ -131,19 +131,19 @@ TEST(GaussNewton, AnExceptionLeavesTheLastGoodValues) {
 
 TEST(GaussNewton, StopsOnRequest) {
   PoseGraph graph = MakePoseGraph(3, {.nodes = 90});
-  const SolveReport report = Solve(
+  const SolveSummary summary = Solve(
       graph.network, {.on_iteration = [](const IterationProgress& p) { return p.iteration < 2; }});
-  EXPECT_TRUE(report.interrupted);
-  EXPECT_FALSE(report.converged);
-  EXPECT_EQ(report.iterations, 2);
-  EXPECT_NEAR(EvaluateCost(graph.network).cost, report.final_cost, 1e-9 * report.final_cost);
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_FALSE(summary.converged);
+  EXPECT_EQ(summary.iterations, 2);
+  EXPECT_NEAR(EvaluateCost(graph.network).cost, summary.final_cost, 1e-9 * summary.final_cost);
 }
 
 TEST(GaussNewton, ANetworkWithoutDatumStillConverges) {
   PoseGraph graph = MakePoseGraph(4, {.nodes = 90, .noise = 1.0, .anchored = false});
-  const SolveReport report = Solve(graph.network);
-  EXPECT_TRUE(report.converged) << report.message;
-  EXPECT_LT(report.final_cost, 1e3);
+  const SolveSummary summary = Solve(graph.network);
+  EXPECT_TRUE(summary.converged) << summary.message;
+  EXPECT_LT(summary.final_cost, 1e3);
 }
 
 TEST(SharedAnalysis, ServesTheCovariancesOfWhatWasSolved) {

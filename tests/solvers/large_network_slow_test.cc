@@ -43,8 +43,8 @@ TEST(LargeNetwork, IsSolvedInTheOrderOfItsDissection) {
   Cube cube(kSide);
   SolveOptions options;
   options.initial_trust_region_radius = 1e12;
-  const SolveReport report = Solve(cube.net, options);
-  EXPECT_TRUE(report.converged) << report.message;
+  const SolveSummary summary = Solve(cube.net, options);
+  EXPECT_TRUE(summary.converged) << summary.message;
   double worst = 0.0;
   for (std::size_t i = 0; i < cube.points.size(); ++i) {
     worst = std::max(worst, (cube.net.Value(cube.points[i]) - cube.truth[i]).norm());

@@ -117,15 +117,15 @@ TEST(LinearizedNetwork, RowsHaveNames) {
   Triangle triangle;
   triangle.net.Tag(triangle.robust, {"odometer", {{"x", "shift"}, {"y", "shift"}, {"turn"}}}, 7.5);
   const LinearizedNetwork linearized(triangle.net);
-  const LinearizedNetwork::Row row = linearized.RowAt(4);
+  const LinearizedNetwork::Row row = FindRow(linearized, 4);
   EXPECT_EQ(row.factor, triangle.robust);
   EXPECT_EQ(row.residual, 1);
   EXPECT_EQ(row.channel, "odometer shift");
   EXPECT_EQ(row.axis, "y");
   EXPECT_EQ(row.t_s, 7.5);
-  EXPECT_EQ(linearized.RowAt(0).channel, "") << "no tag";
-  EXPECT_EQ(linearized.RowAt(8).axis, "2");
-  EXPECT_THROW(linearized.RowAt(9), InvalidInput);
+  EXPECT_EQ(FindRow(linearized, 0).channel, "") << "no tag";
+  EXPECT_EQ(FindRow(linearized, 8).axis, "2");
+  EXPECT_THROW(FindRow(linearized, 9), InvalidInput);
 }
 
 // The snapshot does not change if the network is changed or destroyed afterwards.

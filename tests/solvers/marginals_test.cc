@@ -202,8 +202,8 @@ TEST(Marginals, WeighRobustFactorsAsCeres) {
     PoseGraph graph = MakePoseGraph(22, {.noise = 3.0});
     for (const FactorId id : graph.relative) graph.network.SetLoss(id, {type, 1.5});
     // The comparison holds at any values, so convergence is not required.
-    const SolveReport report = Solve(graph.network);
-    ASSERT_LT(report.final_cost, report.initial_cost);
+    const SolveSummary summary = Solve(graph.network);
+    ASSERT_LT(summary.final_cost, summary.initial_cost);
     ExpectAgreesWithCeresCovariance(graph);
     ExpectAllBlocksAgree(graph.network);
   }

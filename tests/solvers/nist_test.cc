@@ -24,7 +24,7 @@ constexpr double kDigitsOfRounding = 3.0;
 constexpr double kInSigma = 1e-6;
 
 struct Fit {
-  SolveReport report;
+  SolveSummary summary;
   Eigen::VectorXd value;
   Eigen::VectorXd sigma;  ///< scaled by the residuals
 };
@@ -42,18 +42,18 @@ Problem MakeProblem(const std::string& name, double sigma_digits = kDigits) {
             Network net;
             const auto b = AddNist<Model, kPredictors>(data, start, &net);
             Fit fit;
-            fit.report = Solve(net);
+            fit.summary = Solve(net);
             fit.value = net.Value(b);
             fit.sigma =
-                fit.report.adjusted.sigma0() * MarginalCovariance(net, b).diagonal().cwiseSqrt();
+                fit.summary.adjusted.sigma0() * MarginalCovariance(net, b).diagonal().cwiseSqrt();
             return fit;
           },
           sigma_digits};
 }
 
 void ExpectCertified(const NistData& data, const Fit& fit, double sigma_digits) {
-  EXPECT_TRUE(fit.report.converged) << fit.report.message;
-  EXPECT_EQ(fit.report.adjusted.redundancy(), data.observations() - data.parameters());
+  EXPECT_TRUE(fit.summary.converged) << fit.summary.message;
+  EXPECT_EQ(fit.summary.adjusted.redundancy(), data.observations() - data.parameters());
   for (std::size_t k = 0; k < data.certified.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double error = std::abs(fit.value[i] - data.certified[k]);
@@ -128,8 +128,8 @@ TEST(Solve, SaysThatItEndedOnAFlat) {
   Network once, twice;
   const auto b = AddNist<Exponential>(data, data.starts[0], &once);
   AddNist<Exponential>(data, data.starts[0], &twice);
-  const SolveReport first = Solve(once, {.second_attempt = false});
-  const SolveReport second = Solve(twice);
+  const SolveSummary first = Solve(once, {.second_attempt = false});
+  const SolveSummary second = Solve(twice);
   EXPECT_GT(once.Value(b)[1], 10.0);  // the sigma of the rate is 1e40
   EXPECT_TRUE(second.converged);
   EXPECT_LT(second.final_cost, 0.2 * first.final_cost);
@@ -149,10 +149,10 @@ TEST(Solve, AFlatThatRemainsIsNotConvergence) {
     net.Add(decay, Noise<1>::Sigma(0.01), level, rate);
   }
   net.Hold(level);
-  const SolveReport report = Solve(net);
-  EXPECT_FALSE(report.converged);
-  EXPECT_NE(report.message.find("'rate' no longer changes the residuals"), std::string::npos)
-      << report.message;
+  const SolveSummary summary = Solve(net);
+  EXPECT_FALSE(summary.converged);
+  EXPECT_NE(summary.message.find("'rate' no longer changes the residuals"), std::string::npos)
+      << summary.message;
 }
 
 }  // namespace dn::solvers_test

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gmock/gmock.h>
@@ -57,8 +58,8 @@ std::string CatchMessage(const Network& network) {
 }
 
 BlockLabel Boresight() {
-  return {
-      "boresight", {"roll", "pitch", "yaw"}, "deg", 57.3, std::numeric_limits<double>::quiet_NaN()};
+  return {"boresight", AxisNames(kRollPitchYaw), "deg", 57.3,
+          std::numeric_limits<double>::quiet_NaN()};
 }
 
 // Only roll and the sum of pitch and yaw are observed, so their difference is undetermined.
@@ -89,7 +90,7 @@ TEST(Rank, NamesTheGaugeOfAChainOverTime) {
   std::vector<Block<Vec<3>>> x;
   for (int i = 0; i < 40; ++i) {
     x.push_back(net.AddVector<3>("position/" + std::to_string(i), Eigen::Vector3d::Zero()));
-    net.SetLabel(x.back().id, {"position", {"east", "north", "up"}, "m", 1.0, 381000.0 + 5.0 * i});
+    net.SetLabel(x.back().id, {"position", AxisNames(kEnu), "m", 1.0, 381000.0 + 5.0 * i});
     if (i > 0) net.Add(Step{}, x[x.size() - 2], x.back());
   }
   net.Add(See({0, 0, 1}, 0.01), x[3]);
@@ -105,7 +106,7 @@ TEST(Rank, NamesTheEpochsThatAreCutOff) {
   std::vector<Block<Vec<3>>> x;
   for (int i = 0; i < 40; ++i) {
     x.push_back(net.AddVector<3>("p/" + std::to_string(i), Eigen::Vector3d::Zero()));
-    net.SetLabel(x.back().id, {"position", {"east", "north", "up"}, "m", 1.0, 100.0 + i});
+    net.SetLabel(x.back().id, {"position", AxisNames(kEnu), "m", 1.0, 100.0 + i});
     if (i > 0 && i != 30) net.Add(Step{}, x[x.size() - 2], x.back());
   }
   net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 0.02), x[0]);

@@ -80,10 +80,10 @@ TEST(Scale, TwentyThousandUnknowns) {
             x[200 * (s + 1) + 199 - at], b);
   }
 
-  const SolveReport report = Solve(net);
-  ASSERT_TRUE(report.converged) << report.message;
+  const SolveSummary summary = Solve(net);
+  ASSERT_TRUE(summary.converged) << summary.message;
   // Linear, with zero cost at the solution.
-  EXPECT_LT(report.final_cost, 1e-15 * report.initial_cost);
+  EXPECT_LT(summary.final_cost, 1e-15 * summary.initial_cost);
 
   Marginals marginals(net);
   EXPECT_EQ(marginals.num_parameters(), 10 * kNodes + 3);

@@ -74,9 +74,9 @@ struct OffsetChain {
   double SolveCost() {
     SolveOptions options;
     options.function_tolerance = 1e-16;
-    const SolveReport report = Solve(net, options);
-    EXPECT_TRUE(report.converged);
-    return report.final_cost;
+    const SolveSummary summary = Solve(net, options);
+    EXPECT_TRUE(summary.converged);
+    return summary.final_cost;
   }
 
   ScoreTest Test() { return TestEffects(Marginals(net), {Offset()}).front(); }
@@ -161,7 +161,7 @@ TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
   const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
-  const JointScore given = ConditionOnComponents(score, {0, 1, 2});
+  const JointScore given = ConditionOn(score, Eigen::MatrixXd::Identity(score.s.size(), 3));
   chain.net.Hold(chain.offset, false);
   chain.SolveCost();
   const JointScore beside = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});

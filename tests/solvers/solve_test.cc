@@ -65,11 +65,11 @@ TEST(Solve, AdjustsALevellingTriangle) {
   f.z_m = -2.994;
   net.Add(f, c, a);
 
-  const SolveReport report = Solve(net);
-  EXPECT_TRUE(report.converged) << report.message;
+  const SolveSummary summary = Solve(net);
+  EXPECT_TRUE(summary.converged) << summary.message;
   EXPECT_NEAR(net.Value(b)[0], 100.998, kLinearTolerance * 100.0);
   EXPECT_NEAR(net.Value(c)[0], 102.996, kLinearTolerance * 100.0);
-  EXPECT_NEAR(report.final_cost, 0.5 * 3 * 4.0, 1e-9);  // three residuals of 2 sigma
+  EXPECT_NEAR(summary.final_cost, 0.5 * 3 * 4.0, 1e-9);  // three residuals of 2 sigma
   EXPECT_EQ(net.Value(a)[0], 100.0);
 }
 
@@ -77,10 +77,10 @@ TEST(Solve, RecoversTheTruthWithoutNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     PoseGraph graph = MakePoseGraph(seed);
-    const SolveReport report = Solve(graph.network);
-    ASSERT_TRUE(report.converged) << report.message;
-    EXPECT_LT(report.final_cost, 1e-12);
-    EXPECT_GT(report.initial_cost, 1.0);
+    const SolveSummary summary = Solve(graph.network);
+    ASSERT_TRUE(summary.converged) << summary.message;
+    EXPECT_LT(summary.final_cost, 1e-12);
+    EXPECT_GT(summary.initial_cost, 1.0);
     for (std::size_t i = 0; i < graph.p_mb.size(); ++i) {
       EXPECT_LT((graph.network.Value(graph.p_mb[i]) - graph.p_mb_true[i]).norm(), kTruthTolerance);
       EXPECT_LT(Log(Eigen::Quaterniond(graph.network.Value(graph.q_mb[i]).conjugate() *
@@ -133,12 +133,12 @@ TEST(Solve, NamesTheToleranceThatEndedIt) {
         const auto x = net.AddScalar(std::to_string(k), 1.0);
         net.Add([](const auto& v) { return v - 2.0; }, Noise<1>::Sigma(1e-3), x);
       }
-      const SolveReport report = Solve(net, {.sigma_tolerance = sigma_tolerance});
-      EXPECT_TRUE(report.converged);
+      const SolveSummary summary = Solve(net, {.sigma_tolerance = sigma_tolerance});
+      EXPECT_TRUE(summary.converged);
       if (sigma_tolerance == 0.0) {
-        EXPECT_EQ(report.message.find("sigma_tolerance"), std::string::npos) << report.message;
+        EXPECT_EQ(summary.message.find("sigma_tolerance"), std::string::npos) << summary.message;
       }
-      EXPECT_FALSE(report.message.empty());
+      EXPECT_FALSE(summary.message.empty());
     }
   }
 }
@@ -155,10 +155,10 @@ TEST(Solve, HasNoCostWhereAFactorIsUndefined) {
           },
           Noise<1>::Sigma(1.0), x);
     }
-    const SolveReport report = Solve(net);
-    EXPECT_FALSE(report.converged);
-    EXPECT_TRUE(std::isnan(report.final_cost));
-    EXPECT_NE(report.message.find("factor 0"), std::string::npos) << report.message;
+    const SolveSummary summary = Solve(net);
+    EXPECT_FALSE(summary.converged);
+    EXPECT_TRUE(std::isnan(summary.final_cost));
+    EXPECT_NE(summary.message.find("factor 0"), std::string::npos) << summary.message;
   }
 }
 
@@ -201,22 +201,22 @@ TEST(Solve, HuberLossBoundsTheInfluenceOfAnOutlier) {
   for (const double z : {0.0, 0.0, 10.0}) {
     net.SetLoss(net.Add(Prior(z), x), {Loss::Type::kHuber, 1.0});
   }
-  const SolveReport report = Solve(net);
-  EXPECT_TRUE(report.converged);
+  const SolveSummary summary = Solve(net);
+  EXPECT_TRUE(summary.converged);
   EXPECT_NEAR(net.Value(x)[0], 0.5, 1e-5);  // reweighting converges linearly, to 1e-10 of the cost
   // The values of rho are 0.25, 0.25 and 2 * 9.5 - 1.
-  EXPECT_NEAR(report.final_cost, 0.5 * (0.25 + 0.25 + 18.0), 1e-8);
-  EXPECT_NEAR(EvaluateCost(net, 2).cost, report.final_cost, 1e-12);
+  EXPECT_NEAR(summary.final_cost, 0.5 * (0.25 + 0.25 + 18.0), 1e-8);
+  EXPECT_NEAR(EvaluateCost(net, 2).cost, summary.final_cost, 1e-12);
 }
 
 TEST(Solve, EvaluateCostAgreesWithTheReportUnderCauchyLoss) {
   PoseGraph graph = MakePoseGraph(11, {.noise = 3.0});
   for (const FactorId id : graph.relative) graph.network.SetLoss(id, {Loss::Type::kCauchy, 2.0});
   const double initial = EvaluateCost(graph.network).cost;
-  const SolveReport report = Solve(graph.network);
-  EXPECT_NEAR(initial, report.initial_cost, 1e-12 * initial);
-  EXPECT_NEAR(EvaluateCost(graph.network).cost, report.final_cost, 1e-12 * report.final_cost);
-  EXPECT_LT(report.final_cost, report.initial_cost);
+  const SolveSummary summary = Solve(graph.network);
+  EXPECT_NEAR(initial, summary.initial_cost, 1e-12 * initial);
+  EXPECT_NEAR(EvaluateCost(graph.network).cost, summary.final_cost, 1e-12 * summary.final_cost);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
 }
 
 TEST(Solve, StopsWhenTheCallbackSaysSo) {
@@ -227,14 +227,14 @@ TEST(Solve, StopsWhenTheCallbackSaysSo) {
     seen.push_back(progress);
     return progress.iteration < 1;
   };
-  const SolveReport report = Solve(graph.network, options);
-  EXPECT_TRUE(report.interrupted);
-  EXPECT_FALSE(report.converged);
+  const SolveSummary summary = Solve(graph.network, options);
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_FALSE(summary.converged);
   ASSERT_EQ(seen.size(), 2u);
   EXPECT_EQ(seen[0].iteration, 0);
   EXPECT_NEAR(seen[0].cost - seen[1].cost, seen[1].cost_change, 1e-9 * seen[0].cost);
   EXPECT_GT(seen[1].step_norm, 0.0);
-  EXPECT_EQ(report.final_cost, seen[1].cost);
+  EXPECT_EQ(summary.final_cost, seen[1].cost);
 }
 
 // With Cauchy's loss each step is shorter than the previous one by a factor. The first step below
@@ -253,17 +253,17 @@ TEST(Solve, EndsWhereAStepIsShortInSigmas) {
       changes.push_back(progress.cost_change);
       return true;
     };
-    const SolveReport report = Solve(graph.network, options);
-    EXPECT_TRUE(report.converged) << report.message;
-    EXPECT_FALSE(report.interrupted);
-    EXPECT_EQ(report.iterations + 1, static_cast<int>(changes.size()));
-    return std::pair(report, changes);
+    const SolveSummary summary = Solve(graph.network, options);
+    EXPECT_TRUE(summary.converged) << summary.message;
+    EXPECT_FALSE(summary.interrupted);
+    EXPECT_EQ(summary.iterations + 1, static_cast<int>(changes.size()));
+    return std::pair(summary, changes);
   };
   constexpr double kSigmas = 0.01, kLeast = 0.5 * kSigmas * kSigmas;
   const auto [whole, all] = solve(0.0);
-  const auto [report, changes] = solve(kSigmas);
-  EXPECT_LT(report.iterations, whole.iterations);
-  EXPECT_NEAR(report.final_cost, whole.final_cost, kLeast);
+  const auto [summary, changes] = solve(kSigmas);
+  EXPECT_LT(summary.iterations, whole.iterations);
+  EXPECT_NEAR(summary.final_cost, whole.final_cost, kLeast);
   for (std::size_t k = 1; k + 1 < changes.size(); ++k) EXPECT_GE(changes[k], kLeast);
   EXPECT_LT(changes.back(), kLeast);
 }
@@ -274,13 +274,13 @@ TEST(Solve, NamesAnUndefinedFactorAndPrintsNothing) {
   net.Tag(net.Add(SquareRoot{}, x), "square root", 12.5);
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
-  const SolveReport report = Solve(net);
+  const SolveSummary summary = Solve(net);
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  EXPECT_FALSE(report.converged);
-  EXPECT_NE(report.message.find("factor 0 (square root, 12.500 s) on 'range offset'"),
+  EXPECT_FALSE(summary.converged);
+  EXPECT_NE(summary.message.find("factor 0 (square root, 12.500 s) on 'range offset'"),
             std::string::npos)
-      << report.message;
+      << summary.message;
   EXPECT_EQ(net.Value(x)[0], -1.0);
   EXPECT_THROW(EvaluateCost(net), InvalidInput);
   EXPECT_THROW(EvaluateCost(net, 2), InvalidInput);
@@ -290,10 +290,10 @@ TEST(Solve, AnIterationLimitIsNotConvergence) {
   PoseGraph graph = MakePoseGraph(2);
   SolveOptions options;
   options.max_iterations = 1;
-  const SolveReport report = Solve(graph.network, options);
-  EXPECT_FALSE(report.converged);
-  EXPECT_FALSE(report.interrupted);
-  EXPECT_EQ(report.iterations, 1);
+  const SolveSummary summary = Solve(graph.network, options);
+  EXPECT_FALSE(summary.converged);
+  EXPECT_FALSE(summary.interrupted);
+  EXPECT_EQ(summary.iterations, 1);
 }
 
 TEST(Solve, NothingToSolveConverges) {
@@ -303,9 +303,9 @@ TEST(Solve, NothingToSolveConverges) {
   const auto x = held.AddVector<1>("x", OneByOne(2.0));
   held.Add(Prior(1.0), x);
   held.Hold(x);
-  const SolveReport report = Solve(held);
-  EXPECT_TRUE(report.converged);
-  EXPECT_NEAR(report.final_cost, 0.5, 1e-15);
+  const SolveSummary summary = Solve(held);
+  EXPECT_TRUE(summary.converged);
+  EXPECT_NEAR(summary.final_cost, 0.5, 1e-15);
   EXPECT_EQ(held.Value(x)[0], 2.0);
 }
 

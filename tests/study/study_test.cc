@@ -1,8 +1,8 @@
 #include <dn/diagnosis/solution.h>
 #include <dn/error.h>
 #include <dn/sim/simulate.h>
-#include <dn/study/report.h>
 #include <dn/study/study.h>
+#include <dn/study/study_output.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

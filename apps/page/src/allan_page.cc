@@ -1,3 +1,5 @@
+#include <dn/axis_names.h>
+
 #include <utility>
 
 #include "sections.h"
@@ -13,7 +15,7 @@ constexpr Sensor kSensors[] = {{"gyro", "Gyro"}, {"accel", "Accelerometer"}};
 
 /// Returns the unit of white noise of the first axis that has white noise.
 std::string WhiteUnit(const Facts& of) {
-  for (const std::string& axis : kXyz) {
+  for (const std::string axis : kXyz) {
     if (const Facts white = of[axis]["terms"]["white"]) return white["unit"].text();
   }
   return of["model"]["white"]["unit"].text();
@@ -36,7 +38,7 @@ Table Terms(const Sensor& sensor, const Facts& of) {
     row.push_back(fit["floor"]["tau_s"].Significant(4));
     table.rows.push_back(std::move(row));
   };
-  for (const std::string& axis : kXyz) add(axis, of[axis]["terms"]);
+  for (const std::string axis : kXyz) add(axis, of[axis]["terms"]);
   add("all", of["model"]);
   return table;
 }
@@ -47,7 +49,7 @@ SeriesChart Deviations(const Sensor& sensor, const Facts& of) {
                     "[" + of["x"]["curve"]["unit"].text() + "]",
                     {},
                     true};
-  for (const std::string& axis : kXyz) {
+  for (const std::string axis : kXyz) {
     const Facts curve = of[axis]["curve"];
     Curve drawn{axis, {}, {}};
     for (std::size_t k = 0; k < curve["tau_s"].elements().size(); ++k) {

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/error.h>
 #include <dn/names.h>
 
@@ -46,15 +47,15 @@ Table Angles(const Facts& boresight) {
               {"", "angle [deg]", "sigma [deg]", "sigma [mdeg]"},
               {}};
   for (std::size_t k = 0; k < 3; ++k) {
-    table.rows.push_back(Row(kBoresightAngles[k], {boresight["angles_deg"][k].Decimals(5),
-                                                   boresight["sigma_deg"][k].Decimals(5),
-                                                   boresight["sigma_deg"][k].Decimals(2, 1e3)}));
+    table.rows.push_back(Row(kRollPitchYaw[k], {boresight["angles_deg"][k].Decimals(5),
+                                                boresight["sigma_deg"][k].Decimals(5),
+                                                boresight["sigma_deg"][k].Decimals(2, 1e3)}));
   }
   return table;
 }
 
 Table OtherAngles(const Facts& boresight) {
-  Table table{"In other forms", {"", "roll", "pitch", "yaw"}, {}};
+  Table table = AngleTable("In other forms");
   const auto add = [&](const char* name, const char* key) {
     if (boresight[key]) table.rows.push_back(Row(name, Three(boresight[key], 6)));
   };
@@ -65,11 +66,11 @@ Table OtherAngles(const Facts& boresight) {
 }
 
 Table Covariance(const Facts& matrix) {
-  Table table{"Covariance [mdeg²] of a left perturbation", {"", "roll", "pitch", "yaw"}, {}};
+  Table table = AngleTable("Covariance [mdeg²] of a left perturbation");
   for (std::size_t r = 0; r < 3; ++r) {
     std::vector<Cell> cells;
     for (std::size_t c = 0; c < 3; ++c) cells.push_back(matrix[r][c].Significant(4, 1e6));
-    table.rows.push_back(Row(kBoresightAngles[r], std::move(cells)));
+    table.rows.push_back(Row(kRollPitchYaw[r], std::move(cells)));
   }
   return table;
 }
@@ -92,8 +93,8 @@ Section BoresightSection(const Facts& result) {
   const Facts boresight = result["boresight"];
   Section section{"Boresight", {}};
   section.contents.emplace_back(
-      Chart{Correlations("Correlation of the angles [%]", kBoresightAngles, kBoresightAngles,
-                         boresight["correlation"])});
+      Chart{Correlations("Correlation of the angles [%]", AxisNames(kRollPitchYaw),
+                         AxisNames(kRollPitchYaw), boresight["correlation"])});
   for (Table table : {OtherAngles(boresight), Covariance(boresight["covariance_deg2"]),
                       Estimates(result["estimates"])}) {
     if (!table.rows.empty()) section.contents.emplace_back(std::move(table));

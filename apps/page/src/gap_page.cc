@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -148,7 +149,7 @@ Section Closed(const Facts& gap) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Facts before = closed["boresight_before_deg"][k];
     if (!before) continue;
-    table.rows.push_back(Row("boresight " + kBoresightAngles[k] + " [deg]",
+    table.rows.push_back(Row(std::string("boresight ") + kRollPitchYaw[k] + " [deg]",
                              {before.Decimals(5), closed["boresight_after_deg"][k].Decimals(5)}));
   }
   Table figures{"", {"", ""}, {}};

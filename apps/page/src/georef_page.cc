@@ -11,7 +11,7 @@ Headline GeorefHeadline(const Facts& georef) {
       "georeferenced",
       "The point clouds of this folder were computed with this boresight and this trajectory.",
       Tone::kGood};
-  Table table{"Boresight [deg]", {"", "roll", "pitch", "yaw"}, {}};
+  Table table = AngleTable("Boresight [deg]");
   table.rows = {Row("of the new points", Three(georef["boresight_deg"], 5)),
                 Row("of the old points", Three(georef["boresight_before_deg"], 5))};
   headline.figures = {std::move(table)};

@@ -1,3 +1,5 @@
+#include <dn/axis_names.h>
+
 #include <utility>
 
 #include "sections.h"
@@ -48,7 +50,7 @@ Headline MonteCarloHeadline(const Facts& summary) {
 Section Boresight(const ResultFolder& folder, const Facts& summary) {
   Section section{"Boresight", {}};
   if (!summary["boresight"]) return section;
-  Table table{"", {"", "roll", "pitch", "yaw"}, {}};
+  Table table = AngleTable("");
   const Facts boresight = summary["boresight"];
   table.rows = {Row("rms error [deg]", Three(boresight["rms_deg"], 6)),
                 Row("mean sigma [deg]", Three(boresight["mean_sigma_deg"], 6)),
@@ -57,7 +59,7 @@ Section Boresight(const ResultFolder& folder, const Facts& summary) {
   if (const auto errors = folder.Numbers("boresight_errors.txt", kErrorColumns)) {
     ScatterChart chart{"Errors of the flights", "seed", "error / sigma", {}};
     for (std::size_t k = 0; k < 3; ++k) {
-      chart.clouds.push_back({kBoresightAngles[k], Column(*errors, 0), Column(*errors, k + 1)});
+      chart.clouds.push_back({kRollPitchYaw[k], Column(*errors, 0), Column(*errors, k + 1)});
     }
     section.contents.emplace_back(Chart{std::move(chart)});
   }

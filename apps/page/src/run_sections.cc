@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/error.h>
 #include <fmt/format.h>
 
@@ -51,6 +52,12 @@ Listing Hashes(const Facts& inputs) {
 }
 
 }  // namespace
+
+Table AngleTable(const std::string& title) {
+  Table table{title, AxisNames(kRollPitchYaw), {}};
+  table.columns.insert(table.columns.begin(), "");
+  return table;
+}
 
 std::vector<Cell> Row(std::string name, std::vector<Cell> cells) {
   cells.insert(cells.begin(), Text(std::move(name)));

@@ -10,10 +10,8 @@
 
 namespace dn::page_internal {
 
-// Names of the three components.
-inline const std::vector<std::string> kBoresightAngles{"roll", "pitch", "yaw"};
-inline const std::vector<std::string> kEnu{"east", "north", "up"};
-inline const std::vector<std::string> kXyz{"x", "y", "z"};
+/// Returns a table without rows that has a column per angle of the boresight.
+Table AngleTable(const std::string& title);
 
 /// Returns a row of a name and cells.
 std::vector<Cell> Row(std::string name, std::vector<Cell> cells);

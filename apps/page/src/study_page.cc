@@ -1,3 +1,5 @@
+#include <dn/axis_names.h>
+
 #include <utility>
 
 #include "sections.h"
@@ -18,7 +20,7 @@ Headline StudyHeadline(const Facts& study) {
   Table table{"Boresight", {"", "sigma [deg]", "sigma [mdeg]"}, {}};
   for (std::size_t k = 0; k < 3; ++k) {
     const Facts sigma = study["boresight"]["sigma_deg"][k];
-    table.rows.push_back(Row(kBoresightAngles[k], {sigma.Decimals(5), sigma.Decimals(2, 1e3)}));
+    table.rows.push_back(Row(kRollPitchYaw[k], {sigma.Decimals(5), sigma.Decimals(2, 1e3)}));
   }
   headline.figures = {table};
   for (const Facts& weak : study["weak_directions"].elements()) {
@@ -54,13 +56,15 @@ Section CorrelationsOverTime(const ResultFolder& folder) {
   const auto numbers = folder.Numbers("correlations.txt", kCorrelationColumns);
   if (!numbers) return section;
   for (std::size_t angle = 0; angle < 3; ++angle) {
-    SeriesChart chart{
-        "Correlation of " + kBoresightAngles[angle], "time since start [s]", "correlation", {}};
+    SeriesChart chart{std::string("Correlation of ") + kRollPitchYaw[angle],
+                      "time since start [s]",
+                      "correlation",
+                      {}};
     for (const auto& [sensor, first] : {std::pair("accelerometer ", 1), {"gyro ", 10}}) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t column = static_cast<std::size_t>(first) + 3 * angle + axis;
         chart.curves.push_back(
-            OnScreen({sensor + kXyz[axis], Column(*numbers, 0, numbers->row(0)[0]),
+            OnScreen({std::string(sensor) + kXyz[axis], Column(*numbers, 0, numbers->row(0)[0]),
                       Column(*numbers, column)}));
       }
     }
@@ -88,8 +92,8 @@ Document StudyPage(const ResultFolder& folder) {
   Append(WeakDirections(study), &document);
   Section boresight{"Boresight", {}};
   boresight.contents.emplace_back(
-      Chart{Correlations("Correlation of the angles [%]", kBoresightAngles, kBoresightAngles,
-                         study["boresight"]["correlation"])});
+      Chart{Correlations("Correlation of the angles [%]", AxisNames(kRollPitchYaw),
+                         AxisNames(kRollPitchYaw), study["boresight"]["correlation"])});
   Append(std::move(boresight), &document);
   Append(BiasCorrelationSection(study["correlations"]), &document);
   Append(CorrelationsOverTime(folder), &document);

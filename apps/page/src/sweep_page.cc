@@ -1,3 +1,5 @@
+#include <dn/axis_names.h>
+
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -37,8 +39,9 @@ Headline SweepHeadline(const std::vector<Facts>& designs, std::size_t all) {
                     (designs.empty() ? "" : " The best: " + DesignName(designs.front()));
   if (designs.empty()) return headline;
   const Facts sigma = designs.front()["sigma_deg"];
-  headline.figures = {Table{
-      "Best design", {"", "roll", "pitch", "yaw"}, {Row("sigma [mdeg]", Three(sigma, 2, 1e3))}}};
+  Table table = AngleTable("Best design");
+  table.rows = {Row("sigma [mdeg]", Three(sigma, 2, 1e3))};
+  headline.figures = {std::move(table)};
   return headline;
 }
 
@@ -54,7 +57,7 @@ Section ByValue(const Facts& sweep, const std::vector<Facts>& designs) {
       if (!seen.insert(value).second) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         chart.bars.push_back(
-            {value, kBoresightAngles[k], 1e3 * design["sigma_deg"][k].number(), kNone, kNone});
+            {value, kRollPitchYaw[k], 1e3 * design["sigma_deg"][k].number(), kNone, kNone});
       }
     }
     section.contents.emplace_back(Chart{std::move(chart)});
@@ -75,7 +78,7 @@ Section Designs(const Facts& sweep, const std::vector<Facts>& designs) {
     std::vector<Cell> row;
     for (const std::string& label : design["labels"].texts()) row.push_back(Text(label));
     for (std::size_t k = 0; k < 3; ++k) {
-      chart.bars.push_back({DesignName(design), kBoresightAngles[k],
+      chart.bars.push_back({DesignName(design), kRollPitchYaw[k],
                             1e3 * design["sigma_deg"][k].number(), kNone, kNone});
       row.push_back(design["sigma_deg"][k].Decimals(2, 1e3));
     }

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/files/flight.h>
 
 #include <algorithm>
@@ -80,10 +81,10 @@ SeriesChart WithBands(const std::string& title, const std::string& y_label, cons
 void AddSeparation(const ResultFolder& folder, Section* section) {
   const auto separation = folder.Numbers("filter_separation.txt", kSeparationColumns);
   if (!separation || separation->rows() == 0) return;
-  section->contents.emplace_back(
-      Chart{OverTime("Forward minus reverse filter, position", "[m]", *separation, kEnu, 1)});
+  section->contents.emplace_back(Chart{
+      OverTime("Forward minus reverse filter, position", "[m]", *separation, AxisNames(kEnu), 1)});
   section->contents.emplace_back(Chart{OverTime("Forward minus reverse filter, attitude", "[deg]",
-                                                *separation, {"roll", "pitch", "heading"}, 4)});
+                                                *separation, AxisNames(kAttitudeAngles), 4)});
 }
 
 }  // namespace
@@ -93,9 +94,9 @@ Section TrajectorySection(const ResultFolder& folder) {
   AddMap(folder, &section);
   if (const auto sigma = folder.Numbers("trajectory_sigma.txt", kSigmaColumns)) {
     section.contents.emplace_back(
-        Chart{OverTime("Standard deviation of the position", "[m]", *sigma, kEnu, 1)});
+        Chart{OverTime("Standard deviation of the position", "[m]", *sigma, AxisNames(kEnu), 1)});
     section.contents.emplace_back(Chart{OverTime("Standard deviation of the attitude", "[deg]",
-                                                 *sigma, {"roll", "pitch", "heading"}, 7)});
+                                                 *sigma, AxisNames(kAttitudeAngles), 7)});
   }
   AddSeparation(folder, &section);
   const Facts errors = folder.report()["reference_errors"];
@@ -135,7 +136,7 @@ Section BiasCorrelationSection(const Facts& correlations) {
     if (!of) continue;
     section.contents.emplace_back(
         Chart{Correlations(std::string("With the ") + name + " at the lidar barycentre [%]",
-                           kBoresightAngles, kXyz, of["at_barycentre"])});
+                           AxisNames(kRollPitchYaw), AxisNames(kXyz), of["at_barycentre"])});
     table.rows.push_back(Row(name, {of["max_abs"].Decimals(1, 100), of["rms"].Decimals(1, 100)}));
   }
   if (!table.rows.empty()) section.contents.emplace_back(std::move(table));

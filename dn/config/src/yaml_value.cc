@@ -122,10 +122,6 @@ void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
   }
 }
 
-void YamlValue::ExpectMapOrAbsent(const std::vector<std::string>& known) const {
-  if (!absent()) ExpectMap(known);
-}
-
 YamlValue YamlValue::operator[](const std::string& key) const {
   const std::string path = path_.empty() ? key : path_ + "." + key;
   if (!IsMap()) return {Node(), path, file_, where()};
@@ -158,8 +154,6 @@ std::string YamlValue::Text() const {
   return Scalar();
 }
 
-std::string YamlValue::Name() const { return Line(100); }
-
 std::string YamlValue::Line(std::size_t longest) const {
   std::string line = Text();
   if (HasControls(line)) Fail("contains a line break or another control character");
@@ -185,19 +179,6 @@ double YamlValue::Number() const {
   return value;
 }
 
-double YamlValue::Positive() const {
-  const double value = Number();
-  if (!(value > 0.0)) Fail("must be greater than 0, is " + Shown(Scalar()));
-  if (value < kSmallestPositive) Fail("must be at least 1e-12, is " + Found());
-  return value;
-}
-
-double YamlValue::NotNegative() const {
-  const double value = Number();
-  if (value < 0.0) Fail("must not be negative, is " + Shown(Scalar()));
-  return value;
-}
-
 long long YamlValue::Integer(long long lowest) const {
   long long value = 0;
   if (absent() || !IsScalar() || !ParseAll(Scalar(), value)) {
@@ -209,38 +190,6 @@ long long YamlValue::Integer(long long lowest) const {
   return value;
 }
 
-Eigen::VectorXd YamlValue::Numbers(Eigen::Index size) const {
-  if (!node_->yaml.IsSequence() || static_cast<Eigen::Index>(node_->yaml.size()) != size) {
-    FailType("a list of " + std::to_string(size) + " numbers");
-  }
-  Eigen::VectorXd values(size);
-  const std::vector<YamlValue> items = List();
-  for (Eigen::Index i = 0; i < size; ++i) values[i] = items[static_cast<std::size_t>(i)].Number();
-  return values;
-}
-
-std::vector<double> YamlValue::NumberList() const {
-  std::vector<double> values;
-  for (const YamlValue& item : Items()) values.push_back(item.Number());
-  return values;
-}
-
-Eigen::Vector3d YamlValue::PositiveVector3() const {
-  Eigen::Vector3d values = Vector3();
-  if (!(values.minCoeff() > 0.0)) Fail("every element must be greater than 0");
-  if (values.minCoeff() < kSmallestPositive) Fail("every element must be at least 1e-12");
-  return values;
-}
-
-Eigen::Matrix3d YamlValue::Matrix3() const {
-  if (!node_->yaml.IsSequence() || node_->yaml.size() != 3)
-    FailType("a 3 x 3 matrix, as a list of 3 rows");
-  Eigen::Matrix3d matrix;
-  const std::vector<YamlValue> rows = List();
-  for (int i = 0; i < 3; ++i) matrix.row(i) = rows[static_cast<std::size_t>(i)].Vector3();
-  return matrix;
-}
-
 std::vector<std::string> YamlValue::Keys() const {
   std::vector<std::string> keys;
   if (!IsMap()) return keys;
@@ -250,6 +199,80 @@ std::vector<std::string> YamlValue::Keys() const {
 
 std::string YamlValue::Yaml() const {
   return node_->yaml.IsDefined() ? OnOneLine(node_->yaml) : "~";
+}
+
+void ExpectMapOrAbsent(const YamlValue& value, const std::vector<std::string>& known) {
+  if (!value.absent()) value.ExpectMap(known);
+}
+
+std::string ReadName(const YamlValue& value) { return value.Line(100); }
+
+double ReadPositive(const YamlValue& value) {
+  const double number = value.Number();
+  if (!(number > 0.0)) value.Fail("must be greater than 0, is " + Shown(value.Text()));
+  if (number < kSmallestPositive) {
+    value.Fail("must be at least 1e-12, is '" + Shown(value.Text()) + "'");
+  }
+  return number;
+}
+
+double ReadNotNegative(const YamlValue& value) {
+  const double number = value.Number();
+  if (number < 0.0) value.Fail("must not be negative, is " + Shown(value.Text()));
+  return number;
+}
+
+Eigen::VectorXd ReadNumbers(const YamlValue& value, Eigen::Index size) {
+  if (value.IsMap() || static_cast<Eigen::Index>(value.size()) != size) {
+    value.FailType("a list of " + std::to_string(size) + " numbers");
+  }
+  Eigen::VectorXd numbers(size);
+  const std::vector<YamlValue> items = value.List();
+  for (Eigen::Index i = 0; i < size; ++i) numbers[i] = items[static_cast<std::size_t>(i)].Number();
+  return numbers;
+}
+
+Eigen::Vector3d ReadVector3(const YamlValue& value) { return ReadNumbers(value, 3); }
+
+Eigen::Vector3d ReadPositiveVector3(const YamlValue& value) {
+  Eigen::Vector3d numbers = ReadVector3(value);
+  if (!(numbers.minCoeff() > 0.0)) value.Fail("every element must be greater than 0");
+  if (numbers.minCoeff() < kSmallestPositive) value.Fail("every element must be at least 1e-12");
+  return numbers;
+}
+
+Eigen::Matrix3d ReadMatrix3(const YamlValue& value) {
+  if (value.IsMap() || value.size() != 3) value.FailType("a 3 x 3 matrix, as a list of 3 rows");
+  Eigen::Matrix3d matrix;
+  const std::vector<YamlValue> rows = value.List();
+  for (int i = 0; i < 3; ++i) matrix.row(i) = ReadVector3(rows[static_cast<std::size_t>(i)]);
+  return matrix;
+}
+
+std::vector<double> ReadNumberList(const YamlValue& value) {
+  std::vector<double> numbers;
+  for (const YamlValue& item : value.Items()) numbers.push_back(item.Number());
+  return numbers;
+}
+
+bool ReadBoolOr(const YamlValue& value, bool otherwise) {
+  return value.absent() ? otherwise : value.Bool();
+}
+
+double ReadNumberOr(const YamlValue& value, double otherwise) {
+  return value.absent() ? otherwise : value.Number();
+}
+
+double ReadPositiveOr(const YamlValue& value, double otherwise) {
+  return value.absent() ? otherwise : ReadPositive(value);
+}
+
+double ReadNotNegativeOr(const YamlValue& value, double otherwise) {
+  return value.absent() ? otherwise : ReadNotNegative(value);
+}
+
+Eigen::Vector3d ReadVector3Or(const YamlValue& value, const Eigen::Vector3d& otherwise) {
+  return value.absent() ? otherwise : ReadVector3(value);
 }
 
 YamlValue ParseYaml(const std::string& text, const std::string& file) {

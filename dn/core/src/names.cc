@@ -48,6 +48,10 @@ std::string NearestName(const std::string& word, const std::vector<std::string>&
   return nearest == candidates.end() ? std::string() : *nearest;
 }
 
+bool HasName(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 std::string JoinNames(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/effects/effect_table.h>
 
 #include <cassert>
@@ -31,19 +32,20 @@ constexpr Limits kTau{kLeastPositive, 1e9};
 
 using Components = std::vector<EffectComponent>;
 
-EffectComponent One(const char* name, const char* unit, double to_si, double typical, Limits in) {
+EffectComponent One(const std::string& name, const char* unit, double to_si, double typical,
+                    Limits in) {
   return {name, unit, to_si, typical, in.lowest, in.highest};
 }
 
-Components Three(const std::vector<const char*>& names, const char* unit, double to_si,
+Components Three(const std::vector<std::string>& names, const char* unit, double to_si,
                  double typical, Limits in) {
   Components three;
-  for (const char* name : names) three.push_back(One(name, unit, to_si, typical, in));
+  for (const std::string& name : names) three.push_back(One(name, unit, to_si, typical, in));
   return three;
 }
 
 Components Xyz(const char* unit, double to_si, double typical, Limits in) {
-  return Three({"x", "y", "z"}, unit, to_si, typical, in);
+  return Three(AxisNames(kXyz), unit, to_si, typical, in);
 }
 
 Components Ratio(double typical) { return {One("ratio", "1", 1.0, typical, kRatio)}; }
@@ -64,8 +66,8 @@ std::vector<EffectSpec> MakeTable() {
   using enum EffectSensor;
   using enum EffectKind;
   using enum EffectTiming;
-  const std::vector<const char*> enu{"east", "north", "up"};
-  const std::vector<const char*> sigma_enu{"sigma east", "sigma north", "sigma up"};
+  const std::vector<std::string> enu = AxisNames(kEnu);
+  const std::vector<std::string> sigma_enu{"sigma east", "sigma north", "sigma up"};
   const Limits scale = Within(5e5);
   const Limits arm = Within(1e3);
   const Limits sigma = UpTo(1e6);

@@ -197,10 +197,6 @@ double JsonPlace::Number(double least, double most) const {
   return value;
 }
 
-double JsonPlace::NumberOrNaN() const {
-  return is_null() ? std::numeric_limits<double>::quiet_NaN() : Number();
-}
-
 std::int64_t JsonPlace::Integer(std::int64_t least, std::int64_t most) const {
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   const bool fits = json_->is_number_unsigned() ? json_->get<std::uint64_t>() <= kMost
@@ -229,27 +225,35 @@ std::string JsonPlace::Text(std::size_t max_bytes) const {
   return *text;
 }
 
-std::vector<std::string> JsonPlace::Texts() const {
+double ReadNumberOrNaN(const JsonPlace& place) {
+  return place.is_null() ? std::numeric_limits<double>::quiet_NaN() : place.Number();
+}
+
+std::vector<std::string> ReadTexts(const JsonPlace& place) {
   std::vector<std::string> texts;
-  for (const JsonPlace& element : Elements()) texts.push_back(element.Text());
+  for (const JsonPlace& element : place.Elements()) texts.push_back(element.Text());
   return texts;
 }
 
-Eigen::Vector3d JsonPlace::Vector3() const {
-  if (!json_->is_array() || json_->size() != 3) Fail("is not a list of three");
-  return {At(0).NumberOrNaN(), At(1).NumberOrNaN(), At(2).NumberOrNaN()};
+Eigen::Vector3d ReadVector3(const JsonPlace& place) {
+  const Json& list = place.json();
+  if (!list.is_array() || list.size() != 3) place.Fail("is not a list of three");
+  return {ReadNumberOrNaN(place.At(0)), ReadNumberOrNaN(place.At(1)), ReadNumberOrNaN(place.At(2))};
 }
 
-Eigen::Vector3d JsonPlace::FiniteVector3() const {
-  Eigen::Vector3d vector = Vector3();
-  if (!vector.allFinite()) Fail("is not a list of three numbers");
+Eigen::Vector3d ReadFiniteVector3(const JsonPlace& place) {
+  Eigen::Vector3d vector = ReadVector3(place);
+  if (!vector.allFinite()) place.Fail("is not a list of three numbers");
   return vector;
 }
 
-Eigen::Matrix3d JsonPlace::Matrix3() const {
-  if (!json_->is_array() || json_->size() != 3) Fail("is not a list of three rows");
+Eigen::Matrix3d ReadMatrix3(const JsonPlace& place) {
+  const Json& rows = place.json();
+  if (!rows.is_array() || rows.size() != 3) place.Fail("is not a list of three rows");
   Eigen::Matrix3d matrix;
-  for (int i = 0; i < 3; ++i) matrix.row(i) = At(static_cast<std::size_t>(i)).Vector3();
+  for (std::size_t i = 0; i < 3; ++i) {
+    matrix.row(static_cast<Eigen::Index>(i)) = ReadVector3(place.At(i));
+  }
   return matrix;
 }
 

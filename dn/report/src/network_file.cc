@@ -96,7 +96,7 @@ NetworkState StateFromJson(std::string_view content, const std::string& file) {
                             covariance.is_null() ? Eigen::MatrixXd() : MatrixAt(covariance)});
   }
   for (const JsonPlace& place : root.At("priors").Elements(kMostItems)) {
-    state.priors.push_back({place.At("group").Text(), place.At("blocks").Texts(),
+    state.priors.push_back({place.At("group").Text(), ReadTexts(place.At("blocks")),
                             VectorAt(place.At("center")), MatrixAt(place.At("R")),
                             VectorAt(place.At("d")), NonlinearityAt(place.At("nonlinearity"))});
   }

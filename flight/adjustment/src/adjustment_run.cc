@@ -80,15 +80,15 @@ void AdjustmentRun::Solve(const std::string& name, int max_iterations, double si
     if (options_.progress) options_.progress(name, progress.iteration);
     return !(options_.interrupted && options_.interrupted());
   };
-  const SolveReport report = dn::Solve(network().net(), options);
-  if (report.interrupted) throw Interrupted();
-  result_.stages.push_back({name, report.iterations, report.initial_cost, report.final_cost,
-                            report.converged, report.time_s, report.message});
-  result_.iterations += report.iterations;
-  result_.converged = report.converged;
-  result_.cost = report.final_cost;
-  if (!std::isfinite(report.final_cost)) {
-    throw NotConverged("stage '" + name + "': " + report.message);
+  const SolveSummary summary = dn::Solve(network().net(), options);
+  if (summary.interrupted) throw Interrupted();
+  result_.stages.push_back({name, summary.iterations, summary.initial_cost, summary.final_cost,
+                            summary.converged, summary.time_s, summary.message});
+  result_.iterations += summary.iterations;
+  result_.converged = summary.converged;
+  result_.cost = summary.final_cost;
+  if (!std::isfinite(summary.final_cost)) {
+    throw NotConverged("stage '" + name + "': " + summary.message);
   }
 }
 

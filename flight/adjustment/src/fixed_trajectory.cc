@@ -1,7 +1,9 @@
 #include "fixed_trajectory.h"
 
+#include <dn/adjustment/adjust.h>
 #include <dn/distributions.h>
 #include <dn/error.h>
+#include <dn/interrupted.h>
 #include <dn/names.h>
 #include <dn/rotation.h>
 
@@ -45,6 +47,18 @@ std::vector<StripMotion> Motions(const Flight& flight, const std::vector<StripIn
 }
 
 }  // namespace
+
+void Announce(const GaussHelmertFlightOptions& options, const std::string& stage) {
+  if (options.interrupted && options.interrupted()) throw Interrupted();
+  if (options.progress) options.progress(stage);
+}
+
+void ExpectConverged(bool converged, int iterations, const char* method, const char* data) {
+  if (converged) return;
+  throw NotConverged(std::string(method) + " did not converge in " + std::to_string(iterations) +
+                     " iterations; check the mounting matrix, and that the " + data +
+                     " belong to this flight");
+}
 
 void CheckTrajectory(const Flight& flight) {
   if (!flight.trajectory || !flight.trajectory->notes().adjusted_with_lidar) return;
@@ -98,6 +112,26 @@ facts::AttitudeInPairs::Size ClassifyAttitudeError(double change_m, double noise
   const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);
   const bool tactical = (sigma_rph_rad.array() <= envelope_rad.array()).all();
   return tactical ? Size::kCovered : Size::kAbsorbed;
+}
+
+void AddGeometryReasons(const facts::AttitudeInPairs& attitude, const StripDiversity& diversity,
+                        BoresightResult* boresight) {
+  if (attitude.size == facts::AttitudeInPairs::Size::kAbsorbed &&
+      boresight->verdict == Verdict::kCalibrated) {
+    boresight->verdict = Verdict::kAbsorbed;
+  }
+  boresight->reasons.push_back({attitude});
+  if (!diversity.sufficient()) {
+    boresight->reasons.push_back({facts::StripsAlike{diversity.strips}});
+  }
+}
+
+void AddNotEstimated(const FlightConfig& config, const std::vector<std::string>& estimated,
+                     const char* because, BoresightResult* boresight) {
+  for (const EstimateEntry& entry : config.estimate) {
+    if (HasName(estimated, entry.unknown)) continue;
+    boresight->reasons.push_back({facts::NotEstimated{entry.unknown, because}});
+  }
 }
 
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,

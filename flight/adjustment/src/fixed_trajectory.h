@@ -3,11 +3,19 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/rotation.h>
 
+#include <string>
 #include <vector>
 
 namespace dn::adjustment_internal {
 
 // The methods on a fixed trajectory share the functions of this file.
+
+/// Reports a stage to `progress`. Throws Interrupted if `interrupted` returns true.
+void Announce(const GaussHelmertFlightOptions& options, const std::string& stage);
+
+/// Throws NotConverged unless the adjustment converged. `method` and `data` name the adjustment and
+/// its lidar data in the message.
+void ExpectConverged(bool converged, int iterations, const char* method, const char* data);
 
 /// Throws InvalidInput if the trajectory was adjusted together with the lidar data.
 void CheckTrajectory(const Flight& flight);
@@ -55,6 +63,16 @@ void FillBoresight(const CorrelatedErrorCovariance& scatter, Calibration* calibr
   figures.iterations = adjustment.iterations;
   figures.converged = adjustment.converged;
 }
+
+/// Adds the reasons of attitude errors and of strips that are too similar. An error that the angles
+/// absorb changes the verdict `calibrated`.
+void AddGeometryReasons(const facts::AttitudeInPairs& attitude, const StripDiversity& diversity,
+                        BoresightResult* boresight);
+
+/// Adds a reason for each unknown under `estimate` that is not among `estimated`. `because` says
+/// which ones the method estimates.
+void AddNotEstimated(const FlightConfig& config, const std::vector<std::string>& estimated,
+                     const char* because, BoresightResult* boresight);
 
 /// Adds the reason why the reliable sigmas are larger than those of the normal matrix, if they are.
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,

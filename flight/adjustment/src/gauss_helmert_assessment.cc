@@ -34,9 +34,8 @@ double LargestChange(const GaussHelmertProblem& problem, const Vector3d& sigma_r
   double range2 = 0.0, aside2 = 0.0;
   for (const GaussHelmertPair& pair : problem.pairs) {
     for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
-      const Vector3d down_b = end->q_mb.conjugate() * (end->q_mn * Vector3d::UnitZ());
       range2 += end->u_b.squaredNorm();
-      aside2 += end->u_b.cross(down_b).squaredNorm();
+      aside2 += end->u_b.cross(end->down_b()).squaredNorm();
     }
   }
   const double n = 2.0 * static_cast<double>(problem.pairs.size());
@@ -87,23 +86,14 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   AssessObservability(flight, *boresight.sigma_apriori_rad, Vector3d::Zero(), &boresight);
   if (boresight.verdict == Verdict::kCalibrated)
     AssessLargestSigma(boresight.sigma_rad(), &boresight);
-  const auto add = [&](Fact fact) { boresight.reasons.push_back({std::move(fact)}); };
-  const facts::AttitudeInPairs attitude = AttitudeErrors(*calibration);
-  if (attitude.size == facts::AttitudeInPairs::Size::kAbsorbed &&
-      boresight.verdict == Verdict::kCalibrated) {
-    boresight.verdict = Verdict::kAbsorbed;
+  AddGeometryReasons(AttitudeErrors(*calibration), calibration->diversity, &boresight);
+  if (adjustment.pairs_kept < kFewPairs) {
+    boresight.reasons.push_back({facts::FewPairs{adjustment.pairs_kept}});
   }
-  add(attitude);
-  const StripDiversity& diversity = calibration->diversity;
-  if (!diversity.sufficient()) add(facts::StripsAlike{diversity.strips});
-  if (adjustment.pairs_kept < kFewPairs) add(facts::FewPairs{adjustment.pairs_kept});
   AddWideningReason(calibration->scatter, calibration->accuracy, calibration->constant_rad2,
                     &boresight);
-  for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown != "boresight")
-      add(facts::NotEstimated{entry.unknown,
-                              "the Gauss-Helmert adjustment estimates the boresight only"});
-  }
+  AddNotEstimated(flight.config, {"boresight"},
+                  "the Gauss-Helmert adjustment estimates the boresight only", &boresight);
 }
 
 }  // namespace adjustment_internal

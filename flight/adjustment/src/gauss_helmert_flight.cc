@@ -105,30 +105,23 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads,
 
 GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                                               const GaussHelmertFlightOptions& options) {
-  const auto stage = [&](const std::string& name) {
-    if (options.interrupted && options.interrupted()) throw Interrupted();
-    if (options.progress) options.progress(name);
-  };
   adjustment_internal::CheckEstimate(flight.config, "the Gauss-Helmert adjustment");
   adjustment_internal::CheckTrajectory(flight);
   Stopwatch watch;
   GaussHelmertCalibration calibration;
-  stage("poses of the pairs");
+  adjustment_internal::Announce(options, "poses of the pairs");
   calibration.problem =
       MakeGaussHelmertProblem(flight, options.threads, &calibration.interpolation);
   calibration.accuracy = ReadTrajectoryAccuracy(flight, calibration.problem);
-  stage("Gauss-Helmert adjustment");
+  adjustment_internal::Announce(options, "Gauss-Helmert adjustment");
   calibration.options = MakeOptions(flight.config, options.threads);
   calibration.adjustment = AdjustGaussHelmert(calibration.problem, calibration.options);
-  if (!calibration.adjustment.converged) {
-    throw NotConverged("the Gauss-Helmert adjustment did not converge in " +
-                       std::to_string(calibration.adjustment.iterations) +
-                       " iterations; check the mounting matrix, and that the pairs belong to this "
-                       "flight");
-  }
+  adjustment_internal::ExpectConverged(calibration.adjustment.converged,
+                                       calibration.adjustment.iterations,
+                                       "the Gauss-Helmert adjustment", "pairs");
   calibration.solve_time_s = watch.Restart();
 
-  stage("covariance under time-correlated errors");
+  adjustment_internal::Announce(options, "covariance under time-correlated errors");
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = adjustment_internal::MeanRange(calibration.problem);
   calibration.diversity =

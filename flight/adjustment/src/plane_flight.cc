@@ -41,17 +41,17 @@ facts::AttitudeInPairs AttitudeErrors(const PlaneCalibration& calibration) {
                        std::max(1.0, calibration.scatter.trajectory.attitude_ratio);
   double change2 = 0.0, noise2 = 0.0, n = 0.0;
   const PlaneAdjustment& adjustment = calibration.adjustment;
-  ForKept(calibration, [&](const ObservedPlane& plane, const PlaneState& state,
-                           const PlanePoint& point) {
-    const PlanePointLinearisation at =
-        LinearisePlanePoint(point, plane.sigma_m, calibration.problem.lever_arm_b_m,
-                            adjustment.boresight_rad, adjustment.range_offset_m, state);
-    const Vector3d down_b = point.end.q_mb.conjugate() * (point.end.q_mn * Vector3d::UnitZ());
-    const Eigen::Matrix3d F = BodyFromEulerRates(down_b) * fact.sigma_rph_rad.asDiagonal();
-    change2 += (F.transpose() * at.J_phi).squaredNorm();
-    noise2 += plane.sigma_m * plane.sigma_m;
-    n += 1.0;
-  });
+  ForKept(calibration,
+          [&](const ObservedPlane& plane, const PlaneState& state, const PlanePoint& point) {
+            const PlanePointLinearisation at =
+                LinearisePlanePoint(point, plane.sigma_m, calibration.problem.lever_arm_b_m,
+                                    adjustment.boresight_rad, adjustment.range_offset_m, state);
+            const Eigen::Matrix3d F =
+                BodyFromEulerRates(point.end.down_b()) * fact.sigma_rph_rad.asDiagonal();
+            change2 += (F.transpose() * at.J_phi).squaredNorm();
+            noise2 += plane.sigma_m * plane.sigma_m;
+            n += 1.0;
+          });
   fact.change_m = std::sqrt(change2 / n);
   fact.pair_sigma_m = std::sqrt(noise2 / n);
   fact.range_m = calibration.mean_range_m;
@@ -66,24 +66,13 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
   if (boresight.verdict == Verdict::kCalibrated) {
     AssessLargestSigma(boresight.sigma_rad(), &boresight);
   }
-  const facts::AttitudeInPairs attitude = AttitudeErrors(*calibration);
-  if (attitude.size == facts::AttitudeInPairs::Size::kAbsorbed &&
-      boresight.verdict == Verdict::kCalibrated) {
-    boresight.verdict = Verdict::kAbsorbed;
-  }
-  boresight.reasons.push_back({attitude});
-  const StripDiversity& diversity = calibration->diversity;
-  if (!diversity.sufficient()) {
-    boresight.reasons.push_back({facts::StripsAlike{diversity.strips}});
-  }
+  adjustment_internal::AddGeometryReasons(AttitudeErrors(*calibration), calibration->diversity,
+                                          &boresight);
   adjustment_internal::AddWideningReason(calibration->scatter.trajectory, calibration->accuracy,
                                          calibration->constant_rad2, &boresight);
-  for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown == "boresight" || IsEffect(entry.unknown, kRangeOffset)) continue;
-    boresight.reasons.push_back({facts::NotEstimated{entry.unknown,
-                                                     "the plane adjustment estimates the boresight "
-                                                     "and lidar_range_offset only"}});
-  }
+  adjustment_internal::AddNotEstimated(
+      flight.config, {"boresight", EffectName(kRangeOffset)},
+      "the plane adjustment estimates the boresight and lidar_range_offset only", &boresight);
 }
 
 void FillFigures(PlaneCalibration* calibration) {
@@ -156,29 +145,22 @@ void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found) {
 
 PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane> planes,
                                  const GaussHelmertFlightOptions& options) {
-  const auto stage = [&](const std::string& name) {
-    if (options.interrupted && options.interrupted()) throw Interrupted();
-    if (options.progress) options.progress(name);
-  };
   adjustment_internal::CheckTrajectory(flight);
   Stopwatch watch;
   PlaneCalibration calibration;
   calibration.problem = MakePlaneProblem(flight, std::move(planes));
   calibration.origin = options.vectors;
-  stage("plane adjustment");
+  adjustment_internal::Announce(options, "plane adjustment");
   PlaneAdjustmentOptions adjust;
   adjust.threads = options.threads;
   calibration.adjustment = AdjustPlanes(calibration.problem, adjust);
   ExpectEnoughPlanes(calibration.adjustment, calibration.problem.planes.size());
-  if (!calibration.adjustment.converged) {
-    throw NotConverged("the plane adjustment did not converge in " +
-                       std::to_string(calibration.adjustment.iterations) +
-                       " iterations; check the mounting matrix, and that the strips belong to this "
-                       "flight");
-  }
+  adjustment_internal::ExpectConverged(calibration.adjustment.converged,
+                                       calibration.adjustment.iterations, "the plane adjustment",
+                                       "strips");
   calibration.solve_time_s = watch.Restart();
 
-  stage("covariance under time-correlated errors");
+  adjustment_internal::Announce(options, "covariance under time-correlated errors");
   const std::vector<const GaussHelmertEnd*> ends = KeptEnds(calibration);
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = MeanRange(ends);

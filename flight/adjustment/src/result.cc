@@ -1,6 +1,7 @@
 #include <dn/adjustment/bias_correlation.h>
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/trajectory_sigma.h>
+#include <dn/axis_names.h>
 #include <dn/builder/node_grid.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
@@ -18,12 +19,15 @@
 namespace dn {
 namespace {
 
+Eigen::Vector3d Sigmas(const Eigen::Matrix3d& covariance) {
+  return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const NodeBlocks& node = network.nodes()[k];
   const NodeAxes axes = FindNodeAxes(network, k);
   const auto sigma = [&](const Eigen::Matrix3d& turn, BlockId block) {
-    const Eigen::Matrix3d covariance = turn * marginals.DiagonalBlock(block) * turn.transpose();
-    return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
+    return Sigmas(turn * marginals.DiagonalBlock(block) * turn.transpose());
   };
   return {node.t_s, sigma(axes.R_enu_m, node.p_mb.id), sigma(axes.R_enu_m, node.v_m.id),
           sigma(axes.rph_from_body, node.q_mb.id)};
@@ -36,7 +40,6 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   const adjustment_internal::DiffusePriorFilter filter(adjustment);
   const FilterRun run = filter.Run(FilterDirection::kForward);
   const double settled_s = filter.times().front() + kSettleS;
-  const std::vector<std::string> axes{"east", "north", "up"};
   for (const bool velocity : {false, true}) {
     std::vector<double> t_s;
     std::vector<std::vector<double>> values(3);
@@ -52,7 +55,7 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
     if (t_s.empty()) continue;
     const std::string sensor = velocity ? "gnss velocity" : "gnss position";
     for (std::size_t a = 0; a < 3; ++a) {
-      result->innovations.push_back(DescribeSeries(sensor, axes[a], t_s, values[a]));
+      result->innovations.push_back(DescribeSeries(sensor, kEnu[a], t_s, values[a]));
     }
     (velocity ? result->nis_velocity : result->nis_position) =
         nis / static_cast<double>(t_s.size());
@@ -208,14 +211,10 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
     bias.t_s = t_s;
     bias.gyro_radps = network.trajectory().GyroBias(t_s);
     bias.accel_mps2 = network.trajectory().AccelBias(t_s);
-    bias.sigma_gyro_radps = TotalBiasCovariance(network.trajectory().gyro_bias(), t_s, marginals)
-                                .diagonal()
-                                .cwiseMax(0.0)
-                                .cwiseSqrt();
-    bias.sigma_accel_mps2 = TotalBiasCovariance(network.trajectory().accel_bias(), t_s, marginals)
-                                .diagonal()
-                                .cwiseMax(0.0)
-                                .cwiseSqrt();
+    bias.sigma_gyro_radps =
+        Sigmas(TotalBiasCovariance(network.trajectory().gyro_bias(), t_s, marginals));
+    bias.sigma_accel_mps2 =
+        Sigmas(TotalBiasCovariance(network.trajectory().accel_bias(), t_s, marginals));
     result.biases.push_back(bias);
   }
   result.figures = Figures(adjustment);

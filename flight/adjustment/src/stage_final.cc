@@ -21,7 +21,7 @@ void SolveFinally(AdjustmentRun& run) {
     run.Solve(kName, run.options().max_iterations, AdjustmentRun::kFinalSigmas);
   }
   if (run.result().converged) return;
-  const StageReport& last = run.result().stages.back();
+  const StageSummary& last = run.result().stages.back();
   throw NotConverged("the final least squares did not converge in " +
                      std::to_string(run.options().max_iterations) + " iterations (cost " +
                      std::to_string(last.cost_before) + " to " + std::to_string(last.cost_after) +

@@ -105,8 +105,7 @@ class MeanAccuracy {
 void AddEnds(const Ends& ends, const std::optional<AccuracySeries>& series, MeanAccuracy* mean) {
   for (const GaussHelmertEnd* end : ends) {
     const EpochAccuracy stated{end->t_s, end->sigma_ned_m, end->sigma_rph_rad};
-    mean->Add(series ? series->At(end->t_s) : stated,
-              end->q_mb.conjugate() * (end->q_mn * Vector3d::UnitZ()));
+    mean->Add(series ? series->At(end->t_s) : stated, end->down_b());
   }
 }
 

@@ -1,5 +1,5 @@
-#include <dn/adjustment/angle_names.h>
 #include <dn/adjustment/words.h>
+#include <dn/axis_names.h>
 #include <dn/geo/text_table.h>
 #include <dn/gnss/gnss_process.h>
 #include <dn/rotation.h>
@@ -263,20 +263,20 @@ std::string Say(const facts::SigmaTooLarge& fact) {
   return fmt::format(
       "the standard deviation of {} exceeds 0.5 deg: more pairs, more overlapping strips, or a "
       "better attitude are needed",
-      kAngleNames[fact.angle]);
+      kRollPitchYaw[fact.angle]);
 }
 
 std::string Say(const facts::SigmaAbovePairs& fact) {
   return fmt::format(
       "the standard deviation of {} exceeds ten times the resolution of a single pair: more "
       "overlapping strips are needed",
-      kAngleNames[fact.angle]);
+      kRollPitchYaw[fact.angle]);
 }
 
 std::string Say(const facts::AnglesInseparable& fact) {
   return fmt::format(
       "{} and {} cannot be separated: add a cross strip or a strip at another height",
-      kAngleNames[fact.first], kAngleNames[fact.second]);
+      kRollPitchYaw[fact.first], kRollPitchYaw[fact.second]);
 }
 
 std::string Say(const facts::TrajectoryEstimated&) {

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/builder/calibration_blocks.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
@@ -11,8 +12,6 @@
 
 namespace dn {
 namespace {
-
-const std::vector<std::string> kXyz{"x", "y", "z"};
 
 BlockId AddVectorBlock(const std::string& name, const Eigen::VectorXd& value, Network* net) {
   switch (value.size()) {
@@ -77,9 +76,9 @@ void CalibrationBlocks::AddMounting(const CalibrationState& initial) {
       net_.AddVector<3>(EffectName(EffectId::kLidarLeverArm), initial.lidar_lever_arm_b_m);
   lidar_time_offset_ = net_.AddVector<1>(EffectName(EffectId::kLidarTimeOffset),
                                          Eigen::Matrix<double, 1, 1>(initial.lidar_time_offset_s));
-  net_.SetLabel(boresight_.id, {"boresight", {"roll", "pitch", "yaw"}, "deg", kDegPerRad});
-  net_.SetLabel(gnss_lever_arm_.id, {"GNSS lever arm", kXyz, "m", 1.0});
-  net_.SetLabel(lidar_lever_arm_.id, {"lidar lever arm", kXyz, "m", 1.0});
+  net_.SetLabel(boresight_.id, {"boresight", AxisNames(kRollPitchYaw), "deg", kDegPerRad});
+  net_.SetLabel(gnss_lever_arm_.id, {"GNSS lever arm", AxisNames(kXyz), "m", 1.0});
+  net_.SetLabel(lidar_lever_arm_.id, {"lidar lever arm", AxisNames(kXyz), "m", 1.0});
   net_.SetLabel(lidar_time_offset_.id, {"lidar time offset", {"t"}, "s", 1.0});
   net_.Hold(boresight_, !flight_.config.lidar || !IsEstimated("boresight"));
   net_.Hold(gnss_lever_arm_, !IsEstimated(EffectName(EffectId::kGnssLeverArm)));

@@ -1,20 +1,24 @@
 #include "factor_groups.h"
 
+#include <dn/axis_names.h>
+
 #include <vector>
 
 namespace dn::builder_internal {
 namespace {
 
-std::vector<RowName> EastNorthUp() { return {{"east"}, {"north"}, {"up"}}; }
+std::vector<RowName> Rows(const char* const (&axes)[3]) {
+  return {{axes[0]}, {axes[1]}, {axes[2]}};
+}
 
 FactorGroup BiasProcess(const char* sensor) {
-  return {"bias process", {{"x"}, {"y"}, {"z"}}, sensor, FactorGroup::Kind::kProcess};
+  return {"bias process", Rows(kXyz), sensor, FactorGroup::Kind::kProcess};
 }
 
 FactorGroup Inertial() {
   FactorGroup group{"inertial"};
   for (const char* quantity : {"gyro", "velocity", "position"}) {
-    for (const char* axis : {"x", "y", "z"}) group.rows.push_back({axis, quantity});
+    for (const char* axis : kXyz) group.rows.push_back({axis, quantity});
   }
   return group;
 }
@@ -27,17 +31,17 @@ const FactorGroup& InertialGroup() {
 }
 
 const FactorGroup& GnssPositionGroup() {
-  static const FactorGroup group{"gnss position", EastNorthUp()};
+  static const FactorGroup group{"gnss position", Rows(kEnu)};
   return group;
 }
 
 const FactorGroup& GnssVelocityGroup() {
-  static const FactorGroup group{"gnss velocity", EastNorthUp()};
+  static const FactorGroup group{"gnss velocity", Rows(kEnu)};
   return group;
 }
 
 const FactorGroup& PairGroup() {
-  static const FactorGroup group{"lidar p2p", EastNorthUp()};
+  static const FactorGroup group{"lidar p2p", Rows(kEnu)};
   return group;
 }
 
@@ -47,8 +51,7 @@ const FactorGroup& BiasProcessGroup(bool gyro) {
 }
 
 const FactorGroup& GnssErrorGroup() {
-  static const FactorGroup group{
-      "gnss error process", EastNorthUp(), {}, FactorGroup::Kind::kProcess};
+  static const FactorGroup group{"gnss error process", Rows(kEnu), {}, FactorGroup::Kind::kProcess};
   return group;
 }
 

@@ -1,5 +1,4 @@
 #include <dn/builder/gnss_edges.h>
-#include <dn/builder/gnss_factors.h>
 #include <dn/builder/node_grid.h>
 
 #include <algorithm>
@@ -64,20 +63,22 @@ void GnssEdges::Add(std::size_t epoch_index, std::size_t node,
   edges_.push_back(edge);
 }
 
+const MapGnssEpoch& GnssEdges::Epoch(const GnssEdge& edge) const {
+  return context_.flight.gnss->epochs[edge.epoch];
+}
+
+GnssEdgeInput GnssEdges::Input(const GnssEdge& edge) const {
+  return {context_.trajectory.NodePose(edge.node), context_.trajectory.BiasesAt(Epoch(edge).t_s)};
+}
+
 std::shared_ptr<const FactorBase> GnssEdges::PositionFactor(
     const GnssEdge& edge, const CalibrationState& calibration) const {
-  const MapGnssEpoch& epoch = context_.flight.gnss->epochs[edge.epoch];
-  const TrajectoryGraph& trajectory = context_.trajectory;
-  return MakeGnssPositionFactor(context_.flight, epoch, calibration,
-                                {trajectory.NodePose(edge.node), trajectory.BiasesAt(epoch.t_s)});
+  return MakeGnssPositionFactor(context_.flight, Epoch(edge), calibration, Input(edge));
 }
 
 std::shared_ptr<const FactorBase> GnssEdges::VelocityFactor(
     const GnssEdge& edge, const CalibrationState& calibration) const {
-  const MapGnssEpoch& epoch = context_.flight.gnss->epochs[edge.epoch];
-  const TrajectoryGraph& trajectory = context_.trajectory;
-  return MakeGnssVelocityFactor(context_.flight, epoch, calibration,
-                                {trajectory.NodePose(edge.node), trajectory.BiasesAt(epoch.t_s)});
+  return MakeGnssVelocityFactor(context_.flight, Epoch(edge), calibration, Input(edge));
 }
 
 void GnssEdges::Rebuild(const CalibrationState& calibration) {

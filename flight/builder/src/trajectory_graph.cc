@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/builder/gnss_factors.h>
 #include <dn/builder/gnss_multipath.h>
 #include <dn/builder/node_grid.h>
@@ -58,8 +59,8 @@ void TrajectoryGraph::AddNodes(const std::vector<MapPose>& poses) {
                                  "deg",
                                  kDegPerRad,
                                  node.t_s});
-    net_.SetLabel(node.p_mb.id, {"position", {"east", "north", "up"}, "m", 1.0, node.t_s});
-    net_.SetLabel(node.v_m.id, {"velocity", {"east", "north", "up"}, "m/s", 1.0, node.t_s});
+    net_.SetLabel(node.p_mb.id, {"position", AxisNames(kEnu), "m", 1.0, node.t_s});
+    net_.SetLabel(node.v_m.id, {"velocity", AxisNames(kEnu), "m/s", 1.0, node.t_s});
     nodes_.push_back(node);
   }
 }
@@ -88,23 +89,14 @@ void TrajectoryGraph::AddBiases(const InitialStates& initial, const IntervalLimi
   };
   const FactorGroup& prior = builder_internal::PriorGroup();
   gyro_bias_ = AddBiasChains(model.gyro, intervals(model.gyro),
-                             {"gyro_bias/",
-                              "gyro bias",
-                              {"x", "y", "z"},
-                              "deg/h",
-                              kDegPerRad * 3600.0,
-                              builder_internal::BiasProcessGroup(true),
-                              prior},
+                             {"gyro_bias/", "gyro bias", AxisNames(kXyz), "deg/h",
+                              kDegPerRad * 3600.0, builder_internal::BiasProcessGroup(true), prior},
                              initial.gyro_bias_radps, &net_);
-  accel_bias_ = AddBiasChains(model.accel, intervals(model.accel),
-                              {"accel_bias/",
-                               "accelerometer bias",
-                               {"x", "y", "z"},
-                               "mg",
-                               1e3 / kStandardGravityMps2,
-                               builder_internal::BiasProcessGroup(false),
-                               prior},
-                              initial.accel_bias_mps2, &net_);
+  accel_bias_ =
+      AddBiasChains(model.accel, intervals(model.accel),
+                    {"accel_bias/", "accelerometer bias", AxisNames(kXyz), "mg",
+                     1e3 / kStandardGravityMps2, builder_internal::BiasProcessGroup(false), prior},
+                    initial.accel_bias_mps2, &net_);
 }
 
 void TrajectoryGraph::AddGnssErrors(const IntervalLimits& limits) {
@@ -124,15 +116,11 @@ void TrajectoryGraph::AddGnssErrors(const IntervalLimits& limits) {
     const double white_share =
         (least_variance / config.processes[i].sigma_enu_m.array().square()).minCoeff();
     const double length_s = ConstantIntervalLength(process, limits) * std::min(1.0, white_share);
-    gnss_error_.push_back(AddProcessChain(process, IntervalsOverEpochs(epoch_t_s, length_s),
-                                          {"gnss_error/" + std::to_string(i),
-                                           "GNSS error",
-                                           {"east", "north", "up"},
-                                           "sigma",
-                                           1.0,
-                                           builder_internal::GnssErrorGroup(),
-                                           builder_internal::PriorGroup()},
-                                          Eigen::Vector3d::Zero(), &net_));
+    gnss_error_.push_back(
+        AddProcessChain(process, IntervalsOverEpochs(epoch_t_s, length_s),
+                        {"gnss_error/" + std::to_string(i), "GNSS error", AxisNames(kEnu), "sigma",
+                         1.0, builder_internal::GnssErrorGroup(), builder_internal::PriorGroup()},
+                        Eigen::Vector3d::Zero(), &net_));
   }
 }
 

@@ -38,7 +38,7 @@ std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
 /// Reads the sigmas of an effect: one number for all components, or one for each. `read` is the
 /// conversion of a number.
 std::vector<double> ReadEffectSigma(const YamlValue& value, const EffectSpec& effect,
-                                    double (YamlValue::*read)() const);
+                                    double (*read)(const YamlValue&));
 /// Returns these sigmas in SI, one for each component.
 Eigen::VectorXd EffectSigmaInSi(const EffectSpec& effect, const std::vector<double>& sigma);
 UnmodelledConfig ReadUnmodelled(const YamlValue& section);

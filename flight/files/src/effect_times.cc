@@ -4,7 +4,7 @@
 namespace dn {
 
 std::pair<double, double> ReadWindow(const YamlValue& value) {
-  const Eigen::VectorXd window_s = value.Numbers(2);
+  const Eigen::VectorXd window_s = ReadNumbers(value, 2);
   if (!(window_s[0] < window_s[1])) value.Fail("must be [begin, end] with begin before end");
   return {window_s[0], window_s[1]};
 }

@@ -30,7 +30,7 @@ const EffectSpec& FixedEffect(const YamlValue& value, const std::string& name) {
 }
 
 void ReadWord(const YamlValue& item, EstimateEntry* entry) {
-  entry->unknown = item.Name();
+  entry->unknown = ReadName(item);
   if (entry->unknown == kBoresight) return;
   const std::string key = TimingKey(FixedEffect(item, entry->unknown).timing);
   if (!key.empty()) {
@@ -41,7 +41,7 @@ void ReadWord(const YamlValue& item, EstimateEntry* entry) {
 
 void ReadMap(const YamlValue& item, EstimateEntry* entry) {
   item.ExpectMap({"unknown", "sigma", "window_s", "t0_s"});
-  entry->unknown = item["unknown"].Name();
+  entry->unknown = ReadName(item["unknown"]);
   if (entry->unknown == kBoresight) {
     if (item["sigma"]) {
       item["sigma"].Fail("the prior of the boresight is lidar.boresight_sigma_deg");
@@ -53,15 +53,15 @@ void ReadMap(const YamlValue& item, EstimateEntry* entry) {
   }
   const EffectSpec& effect = FixedEffect(item["unknown"], entry->unknown);
   entry->times = ReadEffectTimes(item, effect);
-  if (item["sigma"]) entry->sigma = ReadEffectSigma(item["sigma"], effect, &YamlValue::Positive);
+  if (item["sigma"]) entry->sigma = ReadEffectSigma(item["sigma"], effect, &ReadPositive);
 }
 
 }  // namespace
 
 std::vector<double> ReadEffectSigma(const YamlValue& value, const EffectSpec& effect,
-                                    double (YamlValue::*read)() const) {
+                                    double (*read)(const YamlValue&)) {
   std::vector<double> sigma;
-  for (const YamlValue& item : value.Items()) sigma.push_back((item.*read)());
+  for (const YamlValue& item : value.Items()) sigma.push_back(read(item));
   const std::size_t count = effect.components.size();
   if (sigma.size() != 1 && sigma.size() != count) {
     value.Fail("'" + effect.name + "' takes one number" +

@@ -39,7 +39,7 @@ std::string ReadText(const fs::path& file) {
 }
 
 Geodetic ReadOrigin(const YamlValue& value) {
-  const Eigen::Vector3d v = value.Vector3();
+  const Eigen::Vector3d v = ReadVector3(value);
   if (std::abs(v.x()) > 90.0) value.Fail("latitude must lie in -90..90 deg");
   if (std::abs(v.y()) > 360.0) value.Fail("longitude must lie in -360..360 deg");
   if (std::abs(v.z()) > 1e6) value.Fail("height must lie in -1e6..1e6 m");
@@ -55,20 +55,20 @@ std::optional<Geodetic> ReadFrame(const YamlValue& section) {
 
 std::optional<Eigen::Vector2d> ReadSpan(const YamlValue& value) {
   if (!value) return std::nullopt;
-  const Eigen::Vector2d span = value.Numbers(2);
+  const Eigen::Vector2d span = ReadNumbers(value, 2);
   if (!(span[0] < span[1])) value.Fail("must begin before it ends");
   return span;
 }
 
 StripInterval ReadStrip(const YamlValue& item) {
   item.ExpectMap({"name", "t0", "t1"});
-  StripInterval strip{item["name"].Name(), item["t0"].Number(), item["t1"].Number()};
+  StripInterval strip{ReadName(item["name"]), item["t0"].Number(), item["t1"].Number()};
   if (!(strip.t0_s < strip.t1_s)) item["t1"].Fail("must be later than t0");
   return strip;
 }
 
 std::string ReadCrs(const YamlValue& value) {
-  std::string crs = value.Name();
+  std::string crs = ReadName(value);
   if (!IsPointCrsName(crs)) {
     value.Fail("'" + crs + "' is not one of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
   }
@@ -90,7 +90,8 @@ NetworkConfig ReadNetwork(const YamlValue& section) {
   if (section["inertial"])
     network.inertial = section["inertial"].Choice(files_internal::InertialWords());
   const YamlValue rate = section["node_rate_hz"];
-  if (rate && !(rate.IsScalar() && rate.Text() == "auto")) network.node_rate_hz = rate.Positive();
+  if (rate && !(rate.IsScalar() && rate.Text() == "auto"))
+    network.node_rate_hz = ReadPositive(rate);
   return network;
 }
 
@@ -152,7 +153,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
-  config.name = root["name"] ? root["name"].Name() : FolderName(config.folder);
+  config.name = root["name"] ? ReadName(root["name"]) : FolderName(config.folder);
   return config;
 }
 

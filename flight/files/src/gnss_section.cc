@@ -6,7 +6,7 @@ namespace dn {
 namespace {
 
 Eigen::Vector3d ProcessSigmas(const YamlValue& value) {
-  Eigen::Vector3d sigma = value.Vector3();
+  Eigen::Vector3d sigma = ReadVector3(value);
   if (sigma.minCoeff() < 0.0) value.Fail("no element may be negative");
   if (sigma.maxCoeff() < files_internal::kLeastSigmaM)
     value.Fail("one element must be at least 1e-12");
@@ -16,7 +16,7 @@ Eigen::Vector3d ProcessSigmas(const YamlValue& value) {
 GnssProcess ReadGnssProcess(const YamlValue& item) {
   item.ExpectMap({"type", "sigma_enu_m", "tau_s", "grows_with"});
   item["type"].Choice(files_internal::GnssProcessWords());
-  GnssProcess process{ProcessSigmas(item["sigma_enu_m"]), item["tau_s"].Positive()};
+  GnssProcess process{ProcessSigmas(item["sigma_enu_m"]), ReadPositive(item["tau_s"])};
   if (item["grows_with"]) {
     process.growth = item["grows_with"].Choice(files_internal::GnssErrorGrowthWords());
   }
@@ -41,7 +41,7 @@ namespace dn::files_internal {
 double ReadTimeOffset(const YamlValue& section) {
   constexpr double kMostS = 4e9;
   const YamlValue value = section["time_offset_s"];
-  const double offset_s = value.NumberOr(0.0);
+  const double offset_s = ReadNumberOr(value, 0.0);
   if (std::abs(offset_s) > kMostS) value.Fail("must lie within -4e9 and 4e9 s");
   return offset_s;
 }
@@ -60,11 +60,11 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   }
   gnss.time_offset_s = ReadTimeOffset(section);
   if (section["lever_arm_m"]) {
-    const Eigen::Vector3d lever_arm_m = section["lever_arm_m"].Vector3();
+    const Eigen::Vector3d lever_arm_m = ReadVector3(section["lever_arm_m"]);
     gnss.lever_arm_b_m = body_is_flu ? FlipBody(lever_arm_m) : lever_arm_m;
   }
-  if (section["sigma_enu_m"]) gnss.sigma_enu_m = section["sigma_enu_m"].PositiveVector3();
-  if (section["sigma_scale"]) gnss.sigma_scale = section["sigma_scale"].Positive();
+  if (section["sigma_enu_m"]) gnss.sigma_enu_m = ReadPositiveVector3(section["sigma_enu_m"]);
+  if (section["sigma_scale"]) gnss.sigma_scale = ReadPositive(section["sigma_scale"]);
   if (section["use_velocity"]) {
     static const Words<std::optional<bool>> words{
         {"auto", std::nullopt}, {"true", true}, {"false", false}};

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostVibrations = 1000;
 
 double ProcessSigma(const YamlValue& item, const char* key, ToSi to_si) {
-  return to_si(item[key].Positive());
+  return to_si(ReadPositive(item[key]));
 }
 
 BiasProcess ReadProcess(const YamlValue& item, const ProcessKeys& keys) {
@@ -28,7 +28,7 @@ BiasProcess ReadProcess(const YamlValue& item, const ProcessKeys& keys) {
     case BiasProcess::Type::kGaussMarkov:
       item.ExpectMap({"type", keys.sigma, "tau_s"});
       process.sigma = ProcessSigma(item, keys.sigma, keys.sigma_to_si);
-      process.tau_s = item["tau_s"].Positive();
+      process.tau_s = ReadPositive(item["tau_s"]);
       break;
     case BiasProcess::Type::kRandomWalk:
       item.ExpectMap({"type", keys.walk});
@@ -43,7 +43,7 @@ void ReadSensor(const YamlValue& section, const ProcessKeys& keys, const YamlVal
                 SensorNoise& noise) {
   if (section) {
     section.ExpectMap({keys.white, "processes"});
-    if (section[keys.white]) noise.white = keys.white_to_si(section[keys.white].Positive());
+    if (section[keys.white]) noise.white = keys.white_to_si(ReadPositive(section[keys.white]));
     if (section["processes"]) {
       noise.processes.clear();
       for (const YamlValue& item : section["processes"].List(kMostProcesses)) {
@@ -73,8 +73,9 @@ ImuVibration ReadVibration(const YamlValue& item) {
   item.ExpectMap({"window_s", "sigma_gyro_deg_s", "sigma_accel_m_s2"});
   if (!item["window_s"]) item["window_s"].Fail("is missing");
   const auto [t0_s, t1_s] = ReadWindow(item["window_s"]);
-  const ImuVibration vibration{t0_s, t1_s, RadFromDeg(item["sigma_gyro_deg_s"].NotNegativeOr(0.0)),
-                               item["sigma_accel_m_s2"].NotNegativeOr(0.0)};
+  const ImuVibration vibration{t0_s, t1_s,
+                               RadFromDeg(ReadNotNegativeOr(item["sigma_gyro_deg_s"], 0.0)),
+                               ReadNotNegativeOr(item["sigma_accel_m_s2"], 0.0)};
   if (vibration.gyro_sigma_radps == 0.0 && vibration.accel_sigma_mps2 == 0.0) {
     item.Fail("sigma_gyro_deg_s and sigma_accel_m_s2 are both 0, one must be positive");
   }
@@ -113,8 +114,8 @@ ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
   if (section["R_imu_to_body"]) imu.read.R_imu_to_body = ReadRotation(section["R_imu_to_body"]);
   if (body_is_flu) FlipBody(&imu.read.R_imu_to_body);
   imu.read.time_offset_s = ReadTimeOffset(section);
-  if (section["max_gap_s"]) imu.read.max_gap_s = section["max_gap_s"].Positive();
-  if (section["grade"]) imu.grade = section["grade"].Name();
+  if (section["max_gap_s"]) imu.read.max_gap_s = ReadPositive(section["max_gap_s"]);
+  if (section["grade"]) imu.grade = ReadName(section["grade"]);
   imu.model = ReadImuNoise(section, "grade");
   if (section["vibration"]) {
     for (const YamlValue& item : section["vibration"].List(kMostVibrations)) {
@@ -132,7 +133,7 @@ ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key) {
   const YamlValue named = section[preset_key];
   ImuModel preset;
   if (named) {
-    const std::string name = named.Name();
+    const std::string name = ReadName(named);
     try {
       preset = ImuPreset(name);
     } catch (const InvalidConfig& e) {
@@ -145,7 +146,7 @@ ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key) {
   const bool own_figures = !files_internal::SameNoise(model.gyro, preset.gyro) ||
                            !files_internal::SameNoise(model.accel, preset.accel);
   if (own_figures) {
-    model.name = named ? named.Name() + " with own figures" : "own figures";
+    model.name = named ? ReadName(named) + " with own figures" : "own figures";
     model.source = std::filesystem::path(section.where().file).filename().string();
     model.approximate = false;
   }

@@ -27,8 +27,8 @@ PairSelection ReadSelection(const YamlValue& section) {
   PairSelection selection;
   if (section["strategy"]) selection.strategy = section["strategy"].Choice(StrategyWords());
   if (section["count"]) selection.count = static_cast<long>(section["count"].Integer(1));
-  if (section["freq_hz"]) selection.freq_hz = section["freq_hz"].Positive();
-  if (section["window_s"]) selection.window_s = section["window_s"].Positive();
+  if (section["freq_hz"]) selection.freq_hz = ReadPositive(section["freq_hz"]);
+  if (section["window_s"]) selection.window_s = ReadPositive(section["window_s"]);
   if (section["seed"]) {
     selection.seed = static_cast<std::uint64_t>(section["seed"].Integer(0));
   }
@@ -44,7 +44,7 @@ PairSelection ReadSelection(const YamlValue& section) {
 }
 
 Eigen::Vector3d ReadUnitVector(const YamlValue& value) {
-  const Eigen::Vector3d axis = value.Vector3();
+  const Eigen::Vector3d axis = ReadVector3(value);
   const double length = axis.norm();
   if (std::abs(length - 1.0) > kUnitTolerance) {
     value.Fail("must be a unit vector, but has length " + Short(length));
@@ -69,8 +69,8 @@ void CheckAxes(const YamlValue& section, const ScannerAxes& axes) {
 
 std::optional<Eigen::Vector3d> ReadBoresightSigma(const YamlValue& value) {
   if (!value) return std::nullopt;
-  const Eigen::Vector3d deg =
-      value.IsScalar() ? Eigen::Vector3d::Constant(value.Positive()) : value.PositiveVector3();
+  const Eigen::Vector3d deg = value.IsScalar() ? Eigen::Vector3d::Constant(ReadPositive(value))
+                                               : ReadPositiveVector3(value);
   return deg.unaryExpr(&RadFromDeg);
 }
 
@@ -85,7 +85,7 @@ Eigen::Vector3d ReadGeoreferencing(const YamlValue& value, const Eigen::Vector3d
         "yaw]}");
   }
   value.ExpectMap({"boresight_deg"});
-  const Eigen::Vector3d deg = value["boresight_deg"].Vector3();
+  const Eigen::Vector3d deg = ReadVector3(value["boresight_deg"]);
   if (deg.cwiseAbs().maxCoeff() > kMaxAngleDeg) {
     value["boresight_deg"].Fail("must lie within -180 and 180 deg");
   }
@@ -94,9 +94,9 @@ Eigen::Vector3d ReadGeoreferencing(const YamlValue& value, const Eigen::Vector3d
 }
 
 void ReadPairNoise(const YamlValue& section, LidarConfig& lidar) {
-  if (section["gsd_m"]) lidar.gsd_m = section["gsd_m"].Positive();
+  if (section["gsd_m"]) lidar.gsd_m = ReadPositive(section["gsd_m"]);
   if (section["sigma_p_m"]) {
-    lidar.sigma_p_m = section["sigma_p_m"].Positive();
+    lidar.sigma_p_m = ReadPositive(section["sigma_p_m"]);
   } else if (lidar.gsd_m) {
     lidar.sigma_p_m = *lidar.gsd_m / 2.0 / std::sqrt(3.0);
     if (lidar.sigma_p_m < kLeastSigmaM) section["gsd_m"].Fail("must be at least 4e-12");
@@ -111,7 +111,7 @@ void ReadPairNoise(const YamlValue& section, LidarConfig& lidar) {
 
 Eigen::Matrix3d ReadRotation(const YamlValue& value) {
   try {
-    return CheckedRotation(value.Matrix3());
+    return CheckedRotation(ReadMatrix3(value));
   } catch (const InvalidConfig&) {
     throw;
   } catch (const InvalidInput& e) {
@@ -138,11 +138,11 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
   lidar.scan_axis_s = axes.scan_axis_s;
   lidar.nadir_axis_s = axes.nadir_axis_s;
   if (section["lever_arm_m"]) {
-    lidar.mounting.lever_arm_b_m = to_frd(section["lever_arm_m"].Vector3());
+    lidar.mounting.lever_arm_b_m = to_frd(ReadVector3(section["lever_arm_m"]));
   }
   if (section["boresight_deg"]) {
     lidar.mounting.boresight_rad =
-        to_frd(section["boresight_deg"].Vector3().unaryExpr(&RadFromDeg));
+        to_frd(ReadVector3(section["boresight_deg"]).unaryExpr(&RadFromDeg));
   }
   lidar.boresight_sigma_rad = ReadBoresightSigma(section["boresight_sigma_deg"]);
   if (section["georeferenced_with"]) {

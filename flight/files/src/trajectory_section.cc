@@ -6,7 +6,7 @@
 namespace dn::files_internal {
 
 std::string ReadTextCrs(const YamlValue& crs) {
-  std::string name = crs.Name();
+  std::string name = ReadName(crs);
   if (!TextCoordinates::IsName(name)) {
     crs.Fail("'" + name +
              "' is not one of geographic, map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef");
@@ -41,13 +41,13 @@ TrajectoryConfig ReadTrajectorySection(const YamlValue& section) {
   if (section["file"]) trajectory.file = section["file"].Text();
   trajectory.columns = ReadColumns(section);
   if (section["sigma_file"]) trajectory.sigma_file = section["sigma_file"].Text();
-  if (section["sigma_xy_m"]) trajectory.sigma_xy_m = section["sigma_xy_m"].Positive();
-  if (section["sigma_z_m"]) trajectory.sigma_z_m = section["sigma_z_m"].Positive();
+  if (section["sigma_xy_m"]) trajectory.sigma_xy_m = ReadPositive(section["sigma_xy_m"]);
+  if (section["sigma_z_m"]) trajectory.sigma_z_m = ReadPositive(section["sigma_z_m"]);
   if (section["sigma_rp_deg"]) {
-    trajectory.sigma_rp_rad = RadFromDeg(section["sigma_rp_deg"].Positive());
+    trajectory.sigma_rp_rad = RadFromDeg(ReadPositive(section["sigma_rp_deg"]));
   }
   if (section["sigma_y_deg"]) {
-    trajectory.sigma_y_rad = RadFromDeg(section["sigma_y_deg"].Positive());
+    trajectory.sigma_y_rad = RadFromDeg(ReadPositive(section["sigma_y_deg"]));
   }
   return trajectory;
 }

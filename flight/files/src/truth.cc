@@ -8,7 +8,8 @@ std::optional<Eigen::Vector3d> ReadTrueBoresightDeg(const std::filesystem::path&
   const std::filesystem::path file = folder / "truth.yaml";
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
-    return ParseYaml(ReadWholeFile(file, kMaxYamlBytes), file.string())["boresight_deg"].Vector3();
+    return ReadVector3(
+        ParseYaml(ReadWholeFile(file, kMaxYamlBytes), file.string())["boresight_deg"]);
   } catch (const InvalidInput&) {
     return std::nullopt;
   }

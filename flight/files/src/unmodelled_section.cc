@@ -33,8 +33,7 @@ UnmodelledConfig ReadUnmodelled(const YamlValue& section) {
   for (const std::string& name : section.Keys()) {
     const YamlValue value = section[name];
     const EffectId effect = EffectOfKey(value, name);
-    config.sizes.push_back(
-        {effect, ReadEffectSigma(value, EffectRow(effect), &YamlValue::NotNegative)});
+    config.sizes.push_back({effect, ReadEffectSigma(value, EffectRow(effect), &ReadNotNegative)});
   }
   return config;
 }

@@ -117,9 +117,8 @@ EndJacobian ErrorJacobian(const GaussHelmertEnd& end, const Matrix3d& J_phi,
     J << Matrix3d::Identity(), J_phi;
     return J;
   }
-  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
   J << end.q_mn.toRotationMatrix() * options.sigma_ned_m.asDiagonal(),
-      J_phi * BodyFromEulerRates(down_b) * options.sigma_rph_rad.asDiagonal();
+      J_phi * BodyFromEulerRates(end.down_b()) * options.sigma_rph_rad.asDiagonal();
   return J;
 }
 

@@ -201,12 +201,4 @@ PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& probl
   return {out.scatter, problem.with_range_offset ? out.covariance(3, 3) : 0.0};
 }
 
-Eigen::Matrix3d ReliableCovariance(const PlaneAdjustment& result,
-                                   const CorrelatedErrorCovariance& scatter,
-                                   const Eigen::Matrix3d& constant_rad2) {
-  return ReliableVarianceFactor(result.sigma0, result.chi2, result.redundancy) *
-             result.covariance_apriori_rad2 +
-         scatter.covariance_rad2 + constant_rad2;
-}
-
 }  // namespace dn

@@ -560,12 +560,4 @@ double ReliableVarianceFactor(double sigma0, double chi2, long redundancy) {
                   (chi2 + kAssumed) / (static_cast<double>(redundancy) + kAssumed - 2.0));
 }
 
-Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
-                                   const CorrelatedErrorCovariance& scatter,
-                                   const Eigen::Matrix3d& constant_rad2) {
-  return ReliableVarianceFactor(result.sigma0, result.chi2, result.redundancy) *
-             result.covariance_apriori_rad2 +
-         scatter.covariance_rad2 + constant_rad2;
-}
-
 }  // namespace dn

@@ -38,31 +38,31 @@ class Iteration {
         linearization_(network, layout_),
         before_(network) {}
 
-  GaussNewtonReport Run() {
+  GaussNewtonSummary Run() {
     try {
       Steps();
     } catch (...) {
       before_.Restore(&network_);
       throw;
     }
-    report_.final_cost = cost_;
-    return report_;
+    summary_.final_cost = cost_;
+    return summary_;
   }
 
  private:
   enum class Outcome { kGoOn, kEnd, kTooLong };
 
   void Steps() {
-    report_.unfinished = true;
+    summary_.unfinished = true;
     if (!linearization_.Evaluate(network_, options_.threads)) return;
-    report_.initial_cost = cost_ = linearization_.cost();
-    report_.initial_reported = true;
+    summary_.initial_cost = cost_ = linearization_.cost();
+    summary_.initial_reported = true;
     if (!Tell(0.0, 0.0)) return;
     const std::shared_ptr<SharedAnalysis> shared =
         options_.analysis ? options_.analysis : std::make_shared<SharedAnalysis>();
     SharedAnalysis::Impl& analysis = shared->impl();
-    while (report_.iterations < options_.max_iterations) {
-      if (report_.iterations == 0) {
+    while (summary_.iterations < options_.max_iterations) {
+      if (summary_.iterations == 0) {
         analysis.Assemble(layout_, linearization_);
       } else {
         analysis.equations->Assemble(layout_, linearization_);
@@ -70,7 +70,7 @@ class Iteration {
       const Outcome outcome = Step(*analysis.equations, *analysis.cholesky);
       if (outcome == Outcome::kTooLong) return;
       if (outcome == Outcome::kGoOn) continue;
-      report_.unfinished = false;
+      summary_.unfinished = false;
       return;
     }
   }
@@ -78,7 +78,7 @@ class Iteration {
   Outcome Step(NormalEquations& equations, Cholesky& cholesky) {
     const Eigen::VectorXd gradient = linearization_.TransposeTimes(linearization_.residual());
     if (gradient.lpNorm<Eigen::Infinity>() <= options_.gradient_tolerance) {
-      report_.end = GaussNewtonReport::End::kGradient;
+      summary_.end = GaussNewtonSummary::End::kGradient;
       return Outcome::kEnd;
     }
     const Eigen::VectorXd scale = JacobiScale(equations.N);
@@ -99,7 +99,7 @@ class Iteration {
       before_.Restore(&network_);
       return Outcome::kTooLong;
     }
-    ++report_.iterations;
+    ++summary_.iterations;
     cost_ = linearization_.cost();
     if (!Tell(change, step.norm())) return Outcome::kEnd;
     return Settled(std::max(change, predicted)) ? Outcome::kEnd : Outcome::kGoOn;
@@ -108,18 +108,18 @@ class Iteration {
   bool Settled(double change) {
     const bool is_short = options_.sigma_tolerance > 0.0 &&
                           change < 0.5 * options_.sigma_tolerance * options_.sigma_tolerance;
-    report_.end = is_short ? GaussNewtonReport::End::kShortStep : GaussNewtonReport::End::kCost;
+    summary_.end = is_short ? GaussNewtonSummary::End::kShortStep : GaussNewtonSummary::End::kCost;
     return is_short || change <= options_.function_tolerance * cost_;
   }
 
   /// Reports the iteration to on_iteration. Returns false if the solution must stop.
   bool Tell(double change, double step_norm) {
     if (!options_.on_iteration ||
-        options_.on_iteration({report_.iterations, cost_, change, step_norm})) {
+        options_.on_iteration({summary_.iterations, cost_, change, step_norm})) {
       return true;
     }
-    report_.interrupted = true;
-    report_.unfinished = false;
+    summary_.interrupted = true;
+    summary_.unfinished = false;
     return false;
   }
 
@@ -128,13 +128,13 @@ class Iteration {
   UnknownLayout layout_;
   Linearization linearization_;
   NetworkValues before_;
-  GaussNewtonReport report_;
+  GaussNewtonSummary summary_;
   double cost_ = 0.0;
 };
 
 }  // namespace
 
-GaussNewtonReport GaussNewton(Network& network, const SolveOptions& options) {
+GaussNewtonSummary GaussNewton(Network& network, const SolveOptions& options) {
   return Iteration(network, options).Run();
 }
 

@@ -6,7 +6,7 @@
 namespace dn::sparse {
 
 /// Outcome of the Gauss-Newton steps.
-struct GaussNewtonReport {
+struct GaussNewtonSummary {
   /// True if the steps neither converged nor were stopped: the values are the best so far, and
   /// shorter (damped) steps are needed.
   bool unfinished = false;
@@ -26,6 +26,6 @@ struct GaussNewtonReport {
 /// ordering, one analysis and one store of Jacobians. The steps end by the tolerances of `options`.
 /// If a factor throws, the exception is passed on and the network keeps the values from before that
 /// step. Also throws std::bad_alloc.
-GaussNewtonReport GaussNewton(Network& network, const SolveOptions& options);
+GaussNewtonSummary GaussNewton(Network& network, const SolveOptions& options);
 
 }  // namespace dn::sparse

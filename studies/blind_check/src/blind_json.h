@@ -33,7 +33,7 @@ inline std::vector<std::string> WordsFromJson(const JsonPlace& json) {
 inline std::vector<double> NumbersFromJson(const JsonPlace& json) {
   std::vector<double> numbers;
   if (json.is_null()) return numbers;
-  for (const JsonPlace& number : json.Elements()) numbers.push_back(number.NumberOrNaN());
+  for (const JsonPlace& number : json.Elements()) numbers.push_back(ReadNumberOrNaN(number));
   return numbers;
 }
 
@@ -41,7 +41,7 @@ inline std::vector<double> NumbersFromJson(const JsonPlace& json) {
 inline std::vector<BlindCause> CausesFromJson(const JsonPlace& json) {
   std::vector<BlindCause> causes;
   for (const JsonPlace& cause : json.Elements()) {
-    causes.push_back({WordFromJson(cause.At("effect")), cause.At("posterior").NumberOrNaN(),
+    causes.push_back({WordFromJson(cause.At("effect")), ReadNumberOrNaN(cause.At("posterior")),
                       NumbersFromJson(cause.At("estimate")), NumbersFromJson(cause.At("sigma"))});
   }
   return causes;

@@ -35,7 +35,7 @@ BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json) {
   const JsonPlace verdict = json.At("verdict");
   BlindDiagnosis diagnosis;
   diagnosis.detected = gap.At("detected").Flag();
-  diagnosis.p_value = gap.At("p_value").NumberOrNaN();
+  diagnosis.p_value = ReadNumberOrNaN(gap.At("p_value"));
   diagnosis.verdict = WordFromJson(verdict.At("kind"));
   diagnosis.effects = WordsFromJson(verdict.At("effects"));
   diagnosis.credible_set = WordsFromJson(verdict.At("credible_set"));
@@ -51,10 +51,10 @@ BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json) {
 BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
                                            const Eigen::Vector3d& true_boresight_deg) {
   const JsonPlace boresight = json.At("boresight");
-  const Eigen::Vector3d angles_deg = boresight.At("angles_deg").Vector3();
+  const Eigen::Vector3d angles_deg = ReadVector3(boresight.At("angles_deg"));
   BlindCalibration calibration;
   calibration.verdict = WordFromJson(json.At("assessment").At("verdict"));
-  calibration.sigma_deg = boresight.At("sigma_deg").Vector3();
+  calibration.sigma_deg = ReadVector3(boresight.At("sigma_deg"));
   const Eigen::Quaterniond q = Exp(Eigen::Vector3d(kRadPerDeg * angles_deg));
   const Eigen::Quaterniond q_true = Exp(Eigen::Vector3d(kRadPerDeg * true_boresight_deg));
   const Eigen::Vector3d error_rad = Log(Eigen::Quaterniond(q * q_true.conjugate()));

@@ -77,7 +77,7 @@ Json ResultToJson(const BlindDiagnosis& diagnosis) {
 
 void ResultFromJson(const JsonPlace& json, BlindDiagnosis* diagnosis) {
   diagnosis->detected = json.At("detected").Flag();
-  diagnosis->p_value = json.At("p_value").NumberOrNaN();
+  diagnosis->p_value = ReadNumberOrNaN(json.At("p_value"));
   diagnosis->verdict = WordFromJson(json.At("verdict"));
   diagnosis->effects = WordsFromJson(json.At("effects"));
   diagnosis->credible_set = WordsFromJson(json.At("credible_set"));
@@ -95,8 +95,8 @@ Json ResultToJson(const BlindCalibration& calibration) {
 
 void ResultFromJson(const JsonPlace& json, BlindCalibration* calibration) {
   calibration->verdict = WordFromJson(json.At("verdict"));
-  calibration->error_sigmas = json.At("error_sigmas").Vector3();
-  calibration->sigma_deg = json.At("sigma_deg").Vector3();
+  calibration->error_sigmas = ReadVector3(json.At("error_sigmas"));
+  calibration->sigma_deg = ReadVector3(json.At("sigma_deg"));
 }
 
 template <class T>
@@ -173,7 +173,7 @@ BlindRecord BlindRecordFromJson(const JsonPlace& json) {
   if (!outsider.is_null()) {
     record.outsider = {WordFromJson(outsider.At("name")), outsider.At("parameters").json()};
   }
-  record.boresight_deg = json.At("boresight_deg").FiniteVector3();
+  record.boresight_deg = ReadFiniteVector3(json.At("boresight_deg"));
   record.strips = static_cast<std::size_t>(json.At("strips").Integer(0, kMostStrips));
   record.signature = SignatureFromJson(json.At("signature"));
   record.diagnosis = OutcomeFromJson<BlindDiagnosis>(json.At("diagnosis"));

@@ -1,6 +1,7 @@
 #include <dn/blind_check/blind_score.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
+#include <dn/names.h>
 #include <dn/quantile.h>
 #include <fmt/format.h>
 
@@ -16,10 +17,6 @@ constexpr double kAlarmLevel = 0.05;
 constexpr double kBeyond_sigmas = 5.0;
 constexpr double kQuickReplicates = 100.0;  // least number of replicates behind a p-value of dn gap
 constexpr double kCovered_sigmas = 1.959963984540054;
-
-bool Holds(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 bool Contains(const BlindRecord& record, const std::string& effect) {
   return std::any_of(record.effects.begin(), record.effects.end(),
@@ -128,7 +125,7 @@ void ScoreTwo(const BlindRecord& record, BlindScore* score) {
   score->two_named.Count(NamedStrictly(record));
   score->two_named_with_group.Count(NamedWithGroup(record));
   for (const Effect& effect : record.effects) {
-    score->two_members.Count(Holds(diagnosis.effects, effect.name));
+    score->two_members.Count(HasName(diagnosis.effects, effect.name));
   }
 }
 
@@ -167,7 +164,7 @@ void ScoreCoverage(const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
   for (const Effect& effect : record.effects) {
     const BlindCause* cause = FindCause(diagnosis, effect.name);
-    if (!Holds(diagnosis.effects, effect.name) || cause == nullptr) continue;
+    if (!HasName(diagnosis.effects, effect.name) || cause == nullptr) continue;
     const bool fixed = FindEffect(effect.name)->kind == EffectKind::kFixed;
     Share* coverage = fixed ? &score->fixed_coverage : &score->stochastic_coverage;
     const std::size_t count = std::min(cause->estimate.size(), cause->sigma.size());
@@ -293,7 +290,7 @@ bool NamedWithGroup(const BlindRecord& record) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
   if (diagnosis.verdict != "group") return false;
   return std::all_of(record.effects.begin(), record.effects.end(), [&](const Effect& effect) {
-    return Holds(diagnosis.effects, effect.name) || Holds(diagnosis.credible_set, effect.name);
+    return HasName(diagnosis.effects, effect.name) || HasName(diagnosis.credible_set, effect.name);
   });
 }
 

@@ -27,8 +27,8 @@ EpochErrors EpochFromJson(const JsonPlace& row) {
   std::size_t k = 0;
   epoch.t_s = row.At(k++).Number();
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
-    epoch.nees[q] = row.At(k++).NumberOrNaN();
-    for (int i = 0; i < 3; ++i) epoch.sigmas[q][i] = row.At(k++).NumberOrNaN();
+    epoch.nees[q] = ReadNumberOrNaN(row.At(k++));
+    for (int i = 0; i < 3; ++i) epoch.sigmas[q][i] = ReadNumberOrNaN(row.At(k++));
   }
   return epoch;
 }
@@ -111,16 +111,16 @@ FlightRecord FlightRecordFromJson(const JsonPlace& json) {
   record.seed = json.At("seed").Unsigned();
   record.with_pairs = json.At("with_pairs").Flag();
   record.failure = json.At("failure").Text();
-  record.boresight_error_rad = json.At("boresight_error_rad").FiniteVector3();
-  record.boresight_covariance_rad2 = json.At("boresight_covariance_rad2").Matrix3();
+  record.boresight_error_rad = ReadFiniteVector3(json.At("boresight_error_rad"));
+  record.boresight_covariance_rad2 = ReadMatrix3(json.At("boresight_covariance_rad2"));
   record.chi2 = json.At("chi2").Number(0.0, kMostFigure);
   record.redundancy = json.At("redundancy").Integer(0, kMostRedundancy);
   record.outliers = json.At("outliers").Integer(0, kMostRedundancy);
   record.contradicted = json.At("contradicted").Flag();
   record.check_p_value = json.At("check_p_value").Number(0.0, 1.0);
-  record.position_rms_m = json.At("position_rms_m").FiniteVector3();
-  record.velocity_rms_mps = json.At("velocity_rms_mps").FiniteVector3();
-  record.attitude_rms_rad = json.At("attitude_rms_rad").FiniteVector3();
+  record.position_rms_m = ReadFiniteVector3(json.At("position_rms_m"));
+  record.velocity_rms_mps = ReadFiniteVector3(json.At("velocity_rms_mps"));
+  record.attitude_rms_rad = ReadFiniteVector3(json.At("attitude_rms_rad"));
   record.residuals = SeriesFromJson(json.At("residuals"));
   record.innovations = SeriesFromJson(json.At("innovations"));
   record.time_s = json.At("time_s").Number(0.0, kMostFigure);

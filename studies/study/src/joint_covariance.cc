@@ -1,6 +1,7 @@
 #include "joint_covariance.h"
 
 #include <dn/adjustment/bias_correlation.h>
+#include <dn/axis_names.h>
 #include <dn/effects/effect_table.h>
 #include <dn/geo/local_frame.h>
 
@@ -22,7 +23,7 @@ struct Quantity {
 };
 
 std::vector<std::string> ComponentNames(const std::string& unknown, int size) {
-  if (unknown == kBoresight) return {"roll", "pitch", "yaw"};
+  if (unknown == kBoresight) return AxisNames(kRollPitchYaw);
   if (size == 1) return {""};
   std::vector<std::string> names;
   if (const EffectSpec* effect = FindEffect(unknown)) {
@@ -67,18 +68,17 @@ std::vector<Quantity> ListCorrelatedErrors(const FlightNetwork& network) {
   constexpr double kDegPerHour = kDegPerRad * 3600.0;
   const double mg = 1e3 / kStandardGravityMps2;
   const double t_s = LidarBarycentre(network);
-  const std::vector<std::string> xyz{"x", "y", "z"}, enu{"east", "north", "up"};
   const auto as_is = [](std::size_t) { return Eigen::MatrixXd::Identity(3, 3).eval(); };
   std::vector<Quantity> all;
   AppendTotal(network.trajectory().gyro_bias(), t_s,
-              {"gyro_bias", xyz, "deg/h", kDegPerHour, false, {}}, as_is, &all);
-  AppendTotal(network.trajectory().accel_bias(), t_s, {"accel_bias", xyz, "mg", mg, false, {}},
-              as_is, &all);
+              {"gyro_bias", AxisNames(kXyz), "deg/h", kDegPerHour, false, {}}, as_is, &all);
+  AppendTotal(network.trajectory().accel_bias(), t_s,
+              {"accel_bias", AxisNames(kXyz), "mg", mg, false, {}}, as_is, &all);
   const auto in_sigmas = [&](std::size_t k) {
     return Eigen::MatrixXd(network.trajectory().GnssErrorSigmaEnu(k, t_s).asDiagonal());
   };
-  AppendTotal(network.trajectory().gnss_error(), t_s, {"gnss_error", enu, "m", 1.0, false, {}},
-              in_sigmas, &all);
+  AppendTotal(network.trajectory().gnss_error(), t_s,
+              {"gnss_error", AxisNames(kEnu), "m", 1.0, false, {}}, in_sigmas, &all);
   return all;
 }
 

@@ -50,7 +50,7 @@ LineCandidates LineCandidates::Parse(const std::string& yaml_text, const std::st
   const std::string lines_yaml = LinesYaml(root["lines"], &candidates.names);
   candidates.scenario = WithLines(base, lines_yaml, root["lines"]);
   if (root["estimate"]) candidates.estimate = ReadEstimateList(root["estimate"]);
-  candidates.target_rad = kRadPerDeg * root["target_deg"].PositiveVector3();
+  candidates.target_rad = kRadPerDeg * ReadPositiveVector3(root["target_deg"]);
   candidates.pairs_per_line =
       static_cast<double>(as_it_is.pairs.count) / static_cast<double>(as_it_is.plan.lines.size());
   return candidates;

@@ -3,7 +3,7 @@
 #include <dn/parallel.h>
 #include <dn/sim/simulate.h>
 #include <dn/study/line_choice.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 
 #include <algorithm>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include <dn/diagnosis/result_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 
 #include <cmath>
 

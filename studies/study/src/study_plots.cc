@@ -1,6 +1,6 @@
-#include <dn/adjustment/angle_names.h>
+#include <dn/axis_names.h>
 #include <dn/geo/local_frame.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::size_t kMostPoints = 2000;
 constexpr double kMdegPerRad = 1e3 * kDegPerRad;
-const char* const kAxes[] = {"x", "y", "z"};
 
 template <class Row, class Get>
 PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const Get& get) {
@@ -28,7 +27,7 @@ StudyPlot SigmaPlot(const StudyResult& study) {
   const Eigen::Vector3d sigma_mdeg = study.boresight.sigma_rad() * kMdegPerRad;
   for (int i = 0; i < 3; ++i) {
     sigmas.points.emplace_back(sigma_mdeg[i], i);
-    panel.rows.emplace_back(kAngleNames[i]);
+    panel.rows.emplace_back(kRollPitchYaw[i]);
   }
   panel.series.push_back(sigmas);
   return {"sigmas.svg", study.name + ": boresight", "standard deviation [mdeg]", {panel}};
@@ -37,13 +36,13 @@ StudyPlot SigmaPlot(const StudyResult& study) {
 StudyPlot CorrelationPlot(const StudyResult& study) {
   std::vector<PlotPanel> panels;
   for (int i = 0; i < 3; ++i) {
-    PlotPanel panel{fmt::format("{} [%]", kAngleNames[i]), {}};
+    PlotPanel panel{fmt::format("{} [%]", kRollPitchYaw[i]), {}};
     for (int axis = 0; axis < 3; ++axis) {
       panel.series.push_back(
-          Curve(fmt::format("accelerometer {}", kAxes[axis]), study.correlations,
+          Curve(fmt::format("accelerometer {}", kXyz[axis]), study.correlations,
                 [=](const BiasCorrelationAt& at) { return 100.0 * at.accel(i, axis); }));
       panel.series.push_back(
-          Curve(fmt::format("gyro {}", kAxes[axis]), study.correlations,
+          Curve(fmt::format("gyro {}", kXyz[axis]), study.correlations,
                 [=](const BiasCorrelationAt& at) { return 100.0 * at.gyro(i, axis); }));
     }
     panels.push_back(panel);
@@ -53,16 +52,14 @@ StudyPlot CorrelationPlot(const StudyResult& study) {
 }
 
 StudyPlot TrajectoryPlot(const StudyResult& study) {
-  const char* enu[] = {"east", "north", "up"};
-  const char* rph[] = {"roll", "pitch", "heading"};
   std::vector<PlotPanel> panels{{"position [m]", {}}, {"attitude [deg]", {}}};
   for (int i = 0; i < 3; ++i) {
-    panels[0].series.push_back(Curve(enu[i], study.trajectory, [=](const TrajectorySigma& sigma) {
+    panels[0].series.push_back(Curve(kEnu[i], study.trajectory, [=](const TrajectorySigma& sigma) {
       return sigma.position_enu_m[i];
     }));
-    panels[1].series.push_back(Curve(rph[i], study.trajectory, [=](const TrajectorySigma& sigma) {
-      return sigma.rph_rad[i] * kDegPerRad;
-    }));
+    panels[1].series.push_back(
+        Curve(kAttitudeAngles[i], study.trajectory,
+              [=](const TrajectorySigma& sigma) { return sigma.rph_rad[i] * kDegPerRad; }));
   }
   return {"trajectory_sigma.svg", study.name + ": standard deviations of the trajectory",
           "time since start [s]", panels};

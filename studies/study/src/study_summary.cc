@@ -1,19 +1,19 @@
+#include <dn/axis_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/report/wrapped.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 
 namespace dn {
 namespace {
 
 std::string BoresightLines(const BoresightResult& boresight) {
-  const char* names[] = {"roll", "pitch", "yaw"};
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
   const Eigen::Matrix3d percent = 100.0 * boresight.correlation();
   std::string text = fmt::format("boresight {:>12} {:>26}\n", "sigma [deg]", "correlation [%]");
   for (int i = 0; i < 3; ++i) {
-    text += fmt::format("  {:<7} {:>12.6f} {:>10.1f} {:>7.1f} {:>7.1f}\n", names[i], sigma_deg[i],
-                        percent(i, 0), percent(i, 1), percent(i, 2));
+    text += fmt::format("  {:<7} {:>12.6f} {:>10.1f} {:>7.1f} {:>7.1f}\n", kRollPitchYaw[i],
+                        sigma_deg[i], percent(i, 0), percent(i, 1), percent(i, 2));
   }
   text += fmt::format("condition number {:.1f}\n", boresight.condition_number);
   text += fmt::format(

@@ -1,6 +1,6 @@
 #include <dn/adjustment/words.h>
 #include <dn/rotation.h>
-#include <dn/study/report.h>
+#include <dn/study/study_output.h>
 #include <fmt/format.h>
 
 #include <cmath>

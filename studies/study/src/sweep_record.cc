@@ -30,9 +30,9 @@ Json ToJson(const SweepRecord& record) {
 SweepRecord SweepRecordFromJson(const JsonPlace& json) {
   SweepRecord record;
   record.number = json.At("number").Unsigned();
-  record.labels = json.At("labels").Texts();
+  record.labels = ReadTexts(json.At("labels"));
   record.failure = json.At("failure").Text();
-  record.sigma_rad = json.At("sigma_rad").FiniteVector3();
+  record.sigma_rad = ReadFiniteVector3(json.At("sigma_rad"));
   record.condition_number = Size(json.At("condition_number"));
   record.correlation_angles = Correlation(json.At("correlation_angles"));
   record.correlation_biases = Correlation(json.At("correlation_biases"));

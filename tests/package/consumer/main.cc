@@ -41,11 +41,11 @@ int main() {
     net.Add(factor, p_ma);
   }
 
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary summary = dn::Solve(net);
   const Eigen::Vector3d sigma_m = dn::MarginalSigma(net, p_ma);
   const double error_m = (net.Value(p_ma) - truth_m).norm();
-  std::printf("converged %d, error %.1e m, sigma %.3f %.3f %.3f m\n", report.converged, error_m,
+  std::printf("converged %d, error %.1e m, sigma %.3f %.3f %.3f m\n", summary.converged, error_m,
               sigma_m.x(), sigma_m.y(), sigma_m.z());
   constexpr double kTolerance_m = 1e-6;  // without noise, only solver tolerances matter
-  return report.converged && error_m < kTolerance_m && sigma_m.allFinite() ? 0 : 1;
+  return summary.converged && error_m < kTolerance_m && sigma_m.allFinite() ? 0 : 1;
 }

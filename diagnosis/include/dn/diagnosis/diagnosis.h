@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/adjustment/checks.h>
 #include <dn/files/effect_times.h>
 
 #include <Eigen/Core>
@@ -32,19 +33,14 @@ struct GapLocation {
   double p_adjusted = 1.0;
 };
 
-/// A screened effect, in the unit of the table of effects.
-struct GapCause {
+/// A screened effect, in the unit of the table of effects. The evidence is given the other effects
+/// of the verdict; the p-value of the screening test is adjusted for the family of effects.
+struct GapCause : EffectEvidence {
   std::string effect;
   std::string unit;
-  EffectTimes times;  ///< most probable window or start, if the effect has one
-  /// Evidence for the effect against its absence, given the other effects of the verdict, nats.
-  double log_evidence = 0.0;
-  double posterior = 0.0;    ///< calibrated probability that the effect is present
-  double p_value = 1.0;      ///< of the screening test, adjusted for the family of effects
-  Eigen::VectorXd estimate;  ///< components of a fixed effect, a ratio, or sigmas followed by tau
-  Eigen::VectorXd sigma;
+  EffectTimes times;               ///< most probable window or start, if the effect has one
+  double posterior = 0.0;          ///< calibrated probability that the effect is present
   double absorbed_fraction = 0.0;  ///< share of the signature absorbed by the unknowns
-  Eigen::Vector3d boresight_shift_rad = Eigen::Vector3d::Zero();
   std::vector<std::string> inseparable_from;
   std::optional<double> held_out_gain_nats;
   std::optional<double> shrinkage;
@@ -106,7 +102,7 @@ struct DetectionLimit {
   /// Smallest size that can be named correctly; nullopt if the geometry never separates the effect.
   std::optional<double> minimal_identifiable;
   /// External reliability: shift of the boresight caused by a bias of size `minimal_detectable`.
-  Eigen::Vector3d boresight_shift_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   std::vector<std::string> inseparable_from;  ///< effects that it can be mistaken for at any size
   /// Minimal detectable bias of each component alone; infinite if no size is detectable.
   Eigen::VectorXd detectable_by_component = {};

@@ -9,6 +9,9 @@ namespace dn {
 /// Returns the candidate nearest to `word` by edit distance; empty without candidates.
 std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
 
+/// Returns whether the name is in the list.
+bool HasName(const std::vector<std::string>& names, std::string_view name);
+
 /// Joins names as "a, b, c".
 std::string JoinNames(const std::vector<std::string>& names);
 

@@ -30,7 +30,7 @@ struct Elimination {
 ///
 /// at the present values and robust weights. A network with linear factors keeps its solution and
 /// its covariances exactly. Otherwise the prior is exact at the present values, so eliminate blocks
-/// of a solved network. SolveReport::warnings says if later measurements have moved the neighbours
+/// of a solved network. SolveSummary::warnings says if later measurements have moved the neighbours
 /// so far that the difference counts.
 ///
 /// A finished part of a trajectory, a flight or a day can so be replaced: a growing chain that

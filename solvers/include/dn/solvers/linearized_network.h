@@ -82,13 +82,6 @@ class LinearizedNetwork {
   std::optional<FactorRows> FindRows(FactorId factor) const;
   const FactorGroup& group(FactorId factor) const;
   double t_s(FactorId factor) const;
-  /// Returns the identification of a row.
-  Row RowAt(Eigen::Index row) const;
-
-  /// Converts derivatives L of the whitened residual of an active factor (its rows x any number of
-  /// columns) to the scaling of r and J. It multiplies them by the square root of the robust weight
-  /// and by the row scale.
-  Eigen::MatrixXd ToRowScaling(const FactorRows& rows, const Eigen::MatrixXd& L) const;
 
   /// Returns a factor at the values of the snapshot, active or not. An inactive factor is evaluated
   /// by this call; throws InvalidInput if it is undefined.
@@ -122,5 +115,14 @@ class LinearizedNetwork {
 
   std::shared_ptr<const Impl> impl_;
 };
+
+/// Returns the identification of a row. Throws InvalidInput if there is no such row.
+LinearizedNetwork::Row FindRow(const LinearizedNetwork& linearized, Eigen::Index row);
+
+/// Converts derivatives L of the whitened residual of an active factor (its rows x any number of
+/// columns) to the scaling of r and J. It multiplies them by the square root of the robust weight
+/// and by the row scale.
+Eigen::MatrixXd ToRowScaling(const LinearizedNetwork& linearized,
+                             const LinearizedNetwork::FactorRows& rows, const Eigen::MatrixXd& L);
 
 }  // namespace dn

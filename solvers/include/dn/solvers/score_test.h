@@ -35,7 +35,7 @@ struct ScoreTest {
 
 /// Computes Rao's score test of each effect separately, at the minimum of the cost, without solving
 /// the network again. L are the effect's columns, and r, J, N those of the network (rows weighted
-/// and scaled, see LinearizedNetwork::ToRowScaling):
+/// and scaled, see ToRowScaling):
 ///
 ///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
 ///
@@ -75,12 +75,14 @@ ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
 /// Returns the score test of some components together while all others are absent.
 ScoreTest TestJointly(const JointScore& score, const std::vector<Eigen::Index>& components);
 
-/// Returns the scores of all components after some have been added to the unknowns; k indexes the
-/// added ones:
+/// Returns the score test of linear combinations of the components, the columns of T.
+ScoreTest TestCombinations(const JointScore& score, const Eigen::MatrixXd& T);
+
+/// Returns the scores of all components after linear combinations of them, the columns of T, have
+/// become unknowns. With A_T = T^T A T:
 ///
-///   s_j - A_jk A_kk^+ s_k,   A_ij - A_ik A_kk^+ A_kj,   shift_j - shift_k A_kk^+ A_kj.
-JointScore ConditionOnComponents(const JointScore& score,
-                                 const std::vector<Eigen::Index>& components);
+///   s - A T A_T^+ T^T s,   A - A T A_T^+ T^T A,   shift - shift T A_T^+ T^T A.
+JointScore ConditionOn(const JointScore& score, const Eigen::MatrixXd& T);
 
 /// Log Bayes factor of an effect. It is the log of the likelihood of the residuals with the effect
 /// over that without it, averaged over the prior of the effect's size. With s and A of its

@@ -80,7 +80,7 @@ struct CostSummary {
 };
 
 /// Outcome of a solution.
-struct SolveReport {
+struct SolveSummary {
   bool converged = false;     ///< true if a tolerance was met
   bool interrupted = false;   ///< true if on_iteration returned false
   int iterations = 0;         ///< accepted and rejected steps of both attempts
@@ -100,11 +100,11 @@ struct SolveReport {
 /// the start, Ceres takes Levenberg-Marquardt steps.
 ///
 /// Only active factors count; a block without an active factor keeps its value. If a network cannot
-/// be solved numerically, or ends on a plateau twice, the report says so (converged = false). The
+/// be solved numerically, or ends on a plateau twice, the summary says so (converged = false). The
 /// network then keeps its best values. A rank-deficient network may converge to any of its
 /// solutions: see Marginals. Throws InvalidConfig for bad options, and InvalidInput naming the
 /// factor if a factor throws. Prints nothing.
-[[nodiscard]] SolveReport Solve(Network& network, const SolveOptions& options = {});
+[[nodiscard]] SolveSummary Solve(Network& network, const SolveOptions& options = {});
 
 /// Evaluates the active factors. Throws InvalidInput naming the factor if one is undefined at the
 /// current values. The result does not depend on the number of threads.

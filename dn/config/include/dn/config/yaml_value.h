@@ -24,13 +24,13 @@ class YamlValue {
 
   /// Throws InvalidConfig "<path>: <message>" with the location of this value.
   [[noreturn]] void Fail(const std::string& message) const;
+  /// Throws InvalidConfig "<path>: expected <wanted>, found ..." with what this value is.
+  [[noreturn]] void FailType(const std::string& wanted) const;
   /// Location in the file; that of the nearest existing parent if this value is absent.
   FileLocation where() const;
 
   /// Throws InvalidConfig unless this is a map whose keys all belong to `known` and occur once.
   void ExpectMap(const std::vector<std::string>& known) const;
-  /// The same as ExpectMap, but the section may be absent.
-  void ExpectMapOrAbsent(const std::vector<std::string>& known) const;
   bool IsMap() const;
   bool IsScalar() const;
 
@@ -56,34 +56,12 @@ class YamlValue {
   /// The conversions below throw InvalidConfig if the value has another type or is out of range.
   /// The message gives the expected type or range and the actual value.
   std::string Text() const;
-  /// Returns a text of one line, at most 100 characters, that is safe to show in messages.
-  std::string Name() const;
   /// Returns a text of one line with at most `longest` characters.
   std::string Line(std::size_t longest) const;
   bool Bool() const;
-  double Number() const;    ///< from -1e12 to 1e12
-  double Positive() const;  ///< from 1e-12 to 1e12
-  double NotNegative() const;
+  double Number() const;  ///< from -1e12 to 1e12
   /// Returns an integer of at least `lowest`.
   long long Integer(long long lowest) const;
-  /// Returns a list of exactly `size` numbers.
-  Eigen::VectorXd Numbers(Eigen::Index size) const;
-  Eigen::Vector3d Vector3() const { return Numbers(3); }
-  Eigen::Vector3d PositiveVector3() const;
-  /// Returns a 3 x 3 matrix, given as a list of three rows.
-  Eigen::Matrix3d Matrix3() const;
-  /// Returns a list of numbers of any length; a single number counts as a list of one.
-  std::vector<double> NumberList() const;
-
-  /// The functions below convert in the same way, but return `otherwise` if this value is absent.
-  bool BoolOr(bool otherwise) const { return absent() ? otherwise : Bool(); }
-  double NumberOr(double otherwise) const { return absent() ? otherwise : Number(); }
-  double PositiveOr(double otherwise) const { return absent() ? otherwise : Positive(); }
-  double NotNegativeOr(double otherwise) const { return absent() ? otherwise : NotNegative(); }
-  Eigen::Vector3d Vector3Or(const Eigen::Vector3d& otherwise) const {
-    return absent() ? otherwise : Vector3();
-  }
-
   /// Returns the value that belongs to one of several words; throws InvalidConfig with the list of
   /// words otherwise.
   template <class T>
@@ -102,7 +80,6 @@ class YamlValue {
   friend YamlValue ParseYaml(const std::string& text, const std::string& file);
 
   YamlValue(Node node, std::string path, std::string file, FileLocation parent);
-  [[noreturn]] void FailType(const std::string& wanted) const;
   [[noreturn]] void FailChoice(const std::string& word,
                                const std::vector<std::string>& names) const;
   std::string Found() const;
@@ -113,6 +90,31 @@ class YamlValue {
   std::string file_;
   FileLocation parent_;  ///< location of the map or list above this value
 };
+
+/// The same as YamlValue::ExpectMap, but the section may be absent.
+void ExpectMapOrAbsent(const YamlValue& value, const std::vector<std::string>& known);
+
+/// Returns a text of one line, at most 100 characters, that is safe to show in messages.
+std::string ReadName(const YamlValue& value);
+
+/// These functions convert a value as YamlValue::Number does. The message gives the expected range.
+double ReadPositive(const YamlValue& value);  ///< from 1e-12 to 1e12
+double ReadNotNegative(const YamlValue& value);
+/// Returns a list of exactly `size` numbers.
+Eigen::VectorXd ReadNumbers(const YamlValue& value, Eigen::Index size);
+Eigen::Vector3d ReadVector3(const YamlValue& value);
+Eigen::Vector3d ReadPositiveVector3(const YamlValue& value);
+/// Returns a 3 x 3 matrix, given as a list of three rows.
+Eigen::Matrix3d ReadMatrix3(const YamlValue& value);
+/// Returns a list of numbers of any length; a single number counts as a list of one.
+std::vector<double> ReadNumberList(const YamlValue& value);
+
+/// These functions convert in the same way, but return `otherwise` if the value is absent.
+bool ReadBoolOr(const YamlValue& value, bool otherwise);
+double ReadNumberOr(const YamlValue& value, double otherwise);
+double ReadPositiveOr(const YamlValue& value, double otherwise);
+double ReadNotNegativeOr(const YamlValue& value, double otherwise);
+Eigen::Vector3d ReadVector3Or(const YamlValue& value, const Eigen::Vector3d& otherwise);
 
 /// Parses a YAML text and returns its top level; messages name it `file`. Throws InvalidConfig with
 /// the line for a syntax error, and for an empty text.

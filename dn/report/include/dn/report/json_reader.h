@@ -50,19 +50,10 @@ class JsonPlace {
 
   double Number(double least = std::numeric_limits<double>::lowest(),
                 double most = std::numeric_limits<double>::max()) const;
-  /// Returns a number, or NaN for null, which stands for NaN in JSON.
-  double NumberOrNaN() const;
   std::int64_t Integer(std::int64_t least, std::int64_t most) const;
   std::uint64_t Unsigned() const;
   bool Flag() const;
   std::string Text(std::size_t max_bytes = 10'000) const;
-  std::vector<std::string> Texts() const;
-  /// Returns a list of three numbers, with NaN for each null.
-  Eigen::Vector3d Vector3() const;
-  /// Returns a list of three numbers; null is not allowed.
-  Eigen::Vector3d FiniteVector3() const;
-  /// Returns a list of three rows of three numbers, with NaN for each null.
-  Eigen::Matrix3d Matrix3() const;
 
   const Json& json() const { return *json_; }
   [[noreturn]] void Fail(const std::string& what) const;
@@ -74,5 +65,15 @@ class JsonPlace {
   std::string file_;
   std::string pointer_;
 };
+
+/// Returns a number, or NaN for null, which stands for NaN in JSON.
+double ReadNumberOrNaN(const JsonPlace& place);
+std::vector<std::string> ReadTexts(const JsonPlace& place);
+/// Returns a list of three numbers, with NaN for each null.
+Eigen::Vector3d ReadVector3(const JsonPlace& place);
+/// Returns a list of three numbers; null is not allowed.
+Eigen::Vector3d ReadFiniteVector3(const JsonPlace& place);
+/// Returns a list of three rows of three numbers, with NaN for each null.
+Eigen::Matrix3d ReadMatrix3(const JsonPlace& place);
 
 }  // namespace dn

@@ -75,14 +75,14 @@ class SensorsContradict : public InvalidInput {
 };
 
 /// One solve of the staged adjustment.
-struct StageReport {
+struct StageSummary {
   std::string name;
   int iterations = 0;
   double cost_before = 0.0;
   double cost_after = 0.0;
   bool converged = false;
   double time_s = 0.0;
-  std::string message = {};  ///< SolveReport::message
+  std::string message = {};  ///< SolveSummary::message
 };
 
 /// A solved flight with the record of its adjustment.
@@ -90,7 +90,7 @@ struct Adjustment {
   std::unique_ptr<FlightNetwork> network;
   std::string alignment_method;
   double node_rate_hz = 0.0;  ///< from NodeRateHz
-  std::vector<StageReport> stages;
+  std::vector<StageSummary> stages;
   int iterations = 0;  ///< sum over all stages
   bool converged = false;
   long outliers = 0;  ///< number of rejected pairs

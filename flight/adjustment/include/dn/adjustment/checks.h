@@ -39,18 +39,23 @@ struct CommonErrorCheck {
   bool explained = false;  ///< no longer significant if the found effects are estimated
 };
 
-/// An effect that is significant in the data and not estimated by the network. Score test, first
-/// order.
-struct EffectCheck {
-  std::string name;
-  std::string unit;
-  std::string remedy;
-  double p_value = 1.0;
+/// Evidence for an effect, with its estimate.
+struct EffectEvidence {
   /// Nats, against its absence, averaged over sizes around the typical one.
   double log_evidence = 0.0;
-  Eigen::VectorXd estimate;  ///< in `unit`, jointly with the other found effects
-  Eigen::VectorXd sigma;
+  double p_value = 1.0;
+  /// Components of a fixed effect, a ratio, or the sigmas of a process and its time constant.
+  Eigen::VectorXd estimate = {};
+  Eigen::VectorXd sigma = {};                               ///< NaN: undetermined
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< shift of the boresight
+};
+
+/// An effect that is significant in the data and not estimated by the network. Score test, first
+/// order, jointly with the other found effects.
+struct EffectCheck : EffectEvidence {
+  std::string name;
+  std::string unit;  ///< unit of the estimate
+  std::string remedy;
   double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
   /// Largest estimate of a component in standard deviations of its prior; absent without a prior
   /// (UnmodelledPrior).

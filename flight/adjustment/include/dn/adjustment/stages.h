@@ -53,7 +53,7 @@ class AdjustmentRun {
   static constexpr double kRoughSigmas = 1.0;
 
   /// Solves the present network until a step is shorter than `sigma_tolerance`, and adds a
-  /// StageReport with the given name. Reaching the iteration limit is not an error. Throws
+  /// StageSummary with the given name. Reaching the iteration limit is not an error. Throws
   /// NotConverged if the cost is not finite, and Interrupted.
   void Solve(const std::string& name, int max_iterations, double sigma_tolerance = kStageSigmas);
 

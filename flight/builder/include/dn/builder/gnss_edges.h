@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/edge_context.h>
+#include <dn/builder/gnss_factors.h>
 
 #include <memory>
 #include <vector>
@@ -38,6 +39,8 @@ class GnssEdges {
 
  private:
   void Add(std::size_t epoch, std::size_t node, const CalibrationState& calibration);
+  const MapGnssEpoch& Epoch(const GnssEdge& edge) const;
+  GnssEdgeInput Input(const GnssEdge& edge) const;
 
   const EdgeContext& context_;
   std::vector<GnssEdge> edges_;

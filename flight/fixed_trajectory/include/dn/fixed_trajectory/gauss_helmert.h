@@ -23,6 +23,9 @@ struct GaussHelmertEnd {
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
   /// Laser vector in the body frame before rotation by the boresight, R_bs_nominal u_s, m.
   Eigen::Vector3d u_b = Eigen::Vector3d::Zero();
+
+  /// Returns the unit vector down in the body frame.
+  Eigen::Vector3d down_b() const { return q_mb.conjugate() * (q_mn * Eigen::Vector3d::UnitZ()); }
 };
 
 /// One ground point observed at two epochs.

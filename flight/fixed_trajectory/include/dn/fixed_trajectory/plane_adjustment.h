@@ -164,9 +164,4 @@ PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& probl
                                                        const PlaneAdjustment& result,
                                                        const TrajectoryErrorOptions& options);
 
-/// Returns the total covariance as ReliableCovariance does for a Gauss-Helmert adjustment.
-Eigen::Matrix3d ReliableCovariance(const PlaneAdjustment& result,
-                                   const CorrelatedErrorCovariance& scatter,
-                                   const Eigen::Matrix3d& constant_rad2);
-
 }  // namespace dn

@@ -142,9 +142,13 @@ double ReliableVarianceFactor(double sigma0, double chi2, long redundancy);
 ///   C = f N^-1 + C_scatter + C_attitude,      f = ReliableVarianceFactor
 ///
 /// constant_rad2 is C_attitude: constant_share times the stated covariance of the trajectory's
-/// attitude in body axes.
-Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
-                                   const CorrelatedErrorCovariance& scatter,
-                                   const Eigen::Matrix3d& constant_rad2);
+/// attitude in body axes. `result` is a GaussHelmertResult or a PlaneAdjustment.
+template <class Result>
+Eigen::Matrix3d ReliableCovariance(const Result& result, const CorrelatedErrorCovariance& scatter,
+                                   const Eigen::Matrix3d& constant_rad2) {
+  return ReliableVarianceFactor(result.sigma0, result.chi2, result.redundancy) *
+             result.covariance_apriori_rad2 +
+         scatter.covariance_rad2 + constant_rad2;
+}
 
 }  // namespace dn

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <dn/report/json_reader.h>
-#include <dn/study/report.h>
 #include <dn/study/study.h>
+#include <dn/study/study_output.h>
 
 #include <cstdint>
 #include <string>

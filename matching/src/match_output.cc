@@ -1,5 +1,5 @@
 #include <dn/geo/text_table.h>
-#include <dn/matching/match_report.h>
+#include <dn/matching/match_output.h>
 #include <dn/median.h>
 #include <dn/quantile.h>
 

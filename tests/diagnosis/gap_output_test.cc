@@ -1,4 +1,4 @@
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -299,8 +299,8 @@ TEST(GapSummary, TellsOfAnySizeInOneLine) {
 
 TEST(GapSummary, OfAFlightWithoutPairsMovesNoBoresight) {
   GapDiagnosis d = LeverArmDiagnosis();
-  for (GapCause& cause : d.causes) cause.boresight_shift_rad.setZero();
-  for (DetectionLimit& effect : d.could_still_hide) effect.boresight_shift_rad.setZero();
+  for (GapCause& cause : d.causes) cause.boresight_rad.setZero();
+  for (DetectionLimit& effect : d.could_still_hide) effect.boresight_rad.setZero();
   const std::string text = GapSummary(d);
   EXPECT_THAT(text, AllOf(HasSubstr("gnss_time_offset            below 0.0012 s\n"),
                           Not(HasSubstr("mdeg]")), Not(HasSubstr("boresight shift"))));

@@ -1,3 +1,4 @@
+#include <dn/axis_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 #include <dn/names.h>
@@ -115,7 +116,6 @@ std::string SweepTable(const std::vector<std::string>& paths,
 
 std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
                                   const std::vector<SweepRecord>& records) {
-  const char* angles[] = {"roll", "pitch", "yaw"};
   std::vector<StudyPlot> plots;
   for (std::size_t key = 0; key < paths.size(); ++key) {
     const std::vector<std::string> labels = KeyLabels(records, key);
@@ -123,7 +123,7 @@ std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
     PlotPanel panel;
     panel.rows = labels;
     for (int i = 0; i < 3; ++i) {
-      PlotSeries series{angles[i], {}, PlotStyle::kPoints};
+      PlotSeries series{kRollPitchYaw[i], {}, PlotStyle::kPoints};
       for (const SweepRecord& record : records) {
         if (!record.failure.empty()) continue;
         const auto row = std::find(labels.begin(), labels.end(), record.labels[key]);

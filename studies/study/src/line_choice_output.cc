@@ -1,4 +1,4 @@
-#include <dn/adjustment/angle_names.h>
+#include <dn/axis_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 #include <dn/names.h>
@@ -73,7 +73,7 @@ std::string MissedTarget(const LineCandidates& candidates, const LineSearch& sea
   for (int i = 0; i < 3; ++i) {
     if (all.sigma_rad[i] <= candidates.target_rad[i]) continue;
     text +=
-        fmt::format("{}{} {:.2g} instead of {:.2g} deg", text.empty() ? "" : ", ", kAngleNames[i],
+        fmt::format("{}{} {:.2g} instead of {:.2g} deg", text.empty() ? "" : ", ", kRollPitchYaw[i],
                     kDegPerRad * all.sigma_rad[i], kDegPerRad * candidates.target_rad[i]);
   }
   return text;

@@ -1,4 +1,4 @@
-#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/gap_output.h>
 #include <dn/report/wrapped.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,7 +24,7 @@ std::string DetectionLimitLine(const DetectionLimit& effect, bool with_boresight
         ", not identifiable below " + diagnosis_internal::Rounded(*effect.minimal_identifiable, 2);
   }
   if (with_boresight) {
-    text += ", boresight shift up to " + diagnosis_internal::MdegWords(effect.boresight_shift_rad);
+    text += ", boresight shift up to " + diagnosis_internal::MdegWords(effect.boresight_rad);
   }
   return text + "\n";
 }
@@ -34,8 +34,7 @@ std::string DetectionLimitLine(const DetectionLimit& effect, bool with_boresight
 Json DetectionLimitsJson(const std::vector<DetectionLimit>& effects) {
   Json list = Json::array();
   for (const DetectionLimit& effect : effects) {
-    const Eigen::Vector3d damage_mdeg =
-        diagnosis_internal::kMdegPerRad * effect.boresight_shift_rad;
+    const Eigen::Vector3d damage_mdeg = diagnosis_internal::kMdegPerRad * effect.boresight_rad;
     list.push_back({{"effect", effect.effect},
                     {"minimal_detectable", Number(effect.minimal_detectable)},
                     {"detectable_by_component", List(effect.detectable_by_component)},

@@ -1,8 +1,0 @@
-#pragma once
-
-namespace dn {
-
-/// Names of the boresight angles, in the order of the boresight's coordinates.
-inline constexpr const char* kAngleNames[] = {"roll", "pitch", "yaw"};
-
-}  // namespace dn
