@@ -29,7 +29,7 @@ Eigen::Vector2d Adjust(const char* name, const dn::SimulatedFlight& sim,
 }
 
 int main() {
-  const double sigma = dn::RadpsFromDegPerHour(200.0), omega = 0.1;
+  const double sigma = dn::RadpsFromDegPerHour(20.0), omega = 0.1;
   dn::Scenario scenario = dn::ReadScenario("lar2", {"plan.warm_up_s=60", "imu.rate_hz=100"});
   scenario.pairs.count = 0;
   dn::Random random(1, "waves");
