@@ -18,6 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Pages of the site that lie outside docs/.
 PAGES = {
     "readme.md": "README.md",
+    "tutorials/examples.md": "examples/README.md",
     "developers/contributing.md": "CONTRIBUTING.md",
     "developers/changes.md": "CHANGELOG.md",
 }

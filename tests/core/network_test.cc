@@ -203,6 +203,23 @@ TEST(Network, RejectsBadFactors) {
   EXPECT_THROW(net.SetActive(5, false), InvalidInput);
 }
 
+// A factor whose kinds are known only at run time takes handles, as any other factor does.
+TEST(Network, AddsRunTimeFactorsByHandle) {
+  Network net;
+  const auto a = net.AddVector<1>("a", Scalar(3.0));
+  const auto b = net.AddVector<1>("b", Scalar(1.0));
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  const RunTimeGap gap({Vec<1>::kKind, Vec<1>::kKind});
+  const FactorId id = net.Add(gap, a, b);
+  Eigen::VectorXd r;
+  ASSERT_TRUE(net.EvaluateFactor(id, &r));
+  EXPECT_EQ(r[0], 2.0);
+  EXPECT_THAT([&] { net.Add(gap, a, p); },
+              ThrowsMessage<InvalidInput>(HasSubstr("'p' is of the wrong kind for argument 1")));
+  EXPECT_THAT([&] { net.Add(gap, a); },
+              ThrowsMessage<InvalidInput>(HasSubstr("takes 2 blocks, 1 given")));
+}
+
 TEST(Network, RejectsBadLossesAndLabels) {
   Network net;
   const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());

@@ -19,8 +19,10 @@ FlightNetwork::Parts::Parts(const Flight& flight, const std::vector<double>& nod
                             const InitialStates& initial, const FlightNetworkOptions& options)
     : calibration(flight, initial.calibration ? *initial.calibration : AssumedCalibration(flight),
                   &net),
-      trajectory(flight, node_t_s, initial,
-                 {options.bias_interval_per_tau, options.bias_interval_max_s}, &net),
+      trajectory(
+          flight, node_t_s, initial,
+          {options.bias_interval_per_tau, options.bias_interval_max_s, options.process_model},
+          &net),
       factors(&net),
       context{flight,         calibration,
               trajectory,     net,

@@ -1,11 +1,13 @@
 #include <dn/builder/node_grid.h>
 #include <dn/builder/process_chain.h>
+#include <dn/error.h>
 #include <dn/factors/bias_process.h>
 #include <dn/factors/prior.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace dn {
 namespace {
@@ -15,6 +17,57 @@ constexpr double kSameTimeS = 1e-6;
 double PriorSigma(const BiasProcess& process, const ConstantInterval& first) {
   if (process.type != BiasProcess::Type::kRandomWalk) return process.sigma;
   return process.sigma * std::sqrt(std::max(first.t_mid_s - first.t_begin_s, 1e-3));
+}
+
+/// Adds the prior of the first block and the transitions of a first-order process.
+void AddFirstOrder(const ProcessChain& chain, const ConstantInterval& first,
+                   const ChainNames& names, Network* net) {
+  const BiasProcess& process = chain.process;
+  const Noise<3> noise = Noise<3>::Sigma(PriorSigma(process, first));
+  net->Tag(net->Add(PriorVector<3>(Eigen::Vector3d::Zero(), noise), chain.blocks.front()),
+           names.prior, chain.t_mid_s.front());
+  for (std::size_t k = 0; k + 1 < chain.blocks.size(); ++k) {
+    const double dt_s = chain.t_mid_s[k + 1] - chain.t_mid_s[k];
+    const FactorId id =
+        process.type == BiasProcess::Type::kGaussMarkov
+            ? net->Add(GaussMarkovEdge(process.sigma, process.tau_s, dt_s), chain.blocks[k],
+                       chain.blocks[k + 1])
+            : net->Add(RandomWalkEdge(process.sigma, dt_s), chain.blocks[k], chain.blocks[k + 1]);
+    net->Tag(id, names.group, chain.t_mid_s[k]);
+  }
+}
+
+/// Gives the factors from `begin` on that have no group those of the chain.
+void TagOwnFactors(const ProcessChain& chain, const ChainNames& names, FactorId begin,
+                   Network* net) {
+  const BlockId front = chain.blocks.front().id;  // the ids of the blocks are consecutive
+  const auto size = static_cast<BlockId>(chain.blocks.size());
+  for (FactorId id = begin; id < net->num_factors(); ++id) {
+    if (!net->group(id).name.empty()) continue;
+    BlockId first = size, last = -1;
+    for (const BlockId block : net->factor(id).blocks) {
+      if (block < front || block >= front + size) continue;
+      first = std::min(first, block - front);
+      last = std::max(last, block - front);
+    }
+    FactorGroup group = last <= 0 ? names.prior : names.group;
+    const auto rows = static_cast<std::size_t>(net->factor(id).factor->residual_size());
+    if (group.rows.size() != rows) group.rows.clear();
+    net->Tag(id, group, chain.t_mid_s[static_cast<std::size_t>(last < 0 ? 0 : first)]);
+  }
+}
+
+/// Lets the model add its factors. Returns false if it leaves the chain as it is.
+bool AddOwn(const ProcessModel& model, const ProcessChain& chain, const ChainNames& names,
+            Network* net) {
+  const FactorId begin = net->num_factors();
+  const bool own = model(chain, net);
+  if (!own && net->num_factors() > begin) {
+    throw InvalidInput("process model of '" + chain.name +
+                       "' added factors but returned false: return true to replace the process");
+  }
+  TagOwnFactors(chain, names, begin, net);
+  return own;
 }
 
 }  // namespace
@@ -54,9 +107,11 @@ std::vector<ConstantInterval> IntervalsOverEpochs(const std::vector<double>& t_s
 
 ProcessChain AddProcessChain(const BiasProcess& process,
                              const std::vector<ConstantInterval>& intervals,
-                             const ChainNames& names, const Eigen::Vector3d& start, Network* net) {
+                             const ChainNames& names, const Eigen::Vector3d& start, Network* net,
+                             const ProcessModel& model) {
   const bool constant = process.type == BiasProcess::Type::kRandomConstant;
   ProcessChain chain;
+  chain.name = names.name;
   chain.process = process;
   for (std::size_t k = 0; k < intervals.size(); ++k) {
     const ConstantInterval& interval = intervals[k];
@@ -68,18 +123,8 @@ ProcessChain AddProcessChain(const BiasProcess& process,
         {names.quantity + (constant ? " (constant)" : ""), names.components, names.unit,
          names.per_si, constant ? std::numeric_limits<double>::quiet_NaN() : interval.t_mid_s});
   }
-  const Noise<3> first = Noise<3>::Sigma(PriorSigma(process, intervals.front()));
-  net->Tag(net->Add(PriorVector<3>(Eigen::Vector3d::Zero(), first), chain.blocks.front()),
-           names.prior, chain.t_mid_s.front());
-  for (std::size_t k = 0; k + 1 < chain.blocks.size(); ++k) {
-    const double dt_s = chain.t_mid_s[k + 1] - chain.t_mid_s[k];
-    const FactorId id =
-        process.type == BiasProcess::Type::kGaussMarkov
-            ? net->Add(GaussMarkovEdge(process.sigma, process.tau_s, dt_s), chain.blocks[k],
-                       chain.blocks[k + 1])
-            : net->Add(RandomWalkEdge(process.sigma, dt_s), chain.blocks[k], chain.blocks[k + 1]);
-    net->Tag(id, names.group, chain.t_mid_s[k]);
-  }
+  if (!model || !AddOwn(model, chain, names, net))
+    AddFirstOrder(chain, intervals.front(), names, net);
   return chain;
 }
 

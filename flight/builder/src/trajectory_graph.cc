@@ -19,13 +19,13 @@ namespace {
 std::vector<ProcessChain> AddBiasChains(const SensorNoise& sensor,
                                         const std::vector<std::vector<ConstantInterval>>& intervals,
                                         ChainNames names, const Eigen::Vector3d& initial,
-                                        Network* net) {
+                                        const ProcessModel& model, Network* net) {
   const std::string triad = names.name;
   std::vector<ProcessChain> chains;
   for (std::size_t k = 0; k < sensor.processes.size(); ++k) {
     names.name = triad + std::to_string(k);
     const Eigen::Vector3d start = k == 0 ? initial : Eigen::Vector3d::Zero();
-    chains.push_back(AddProcessChain(sensor.processes[k], intervals[k], names, start, net));
+    chains.push_back(AddProcessChain(sensor.processes[k], intervals[k], names, start, net, model));
   }
   return chains;
 }
@@ -33,12 +33,12 @@ std::vector<ProcessChain> AddBiasChains(const SensorNoise& sensor,
 }  // namespace
 
 TrajectoryGraph::TrajectoryGraph(const Flight& flight, const std::vector<double>& node_t_s,
-                                 const InitialStates& initial, const IntervalLimits& limits,
+                                 const InitialStates& initial, const ChainOptions& options,
                                  Network* net)
     : flight_(flight), net_(*net), node_t_s_(node_t_s) {
   AddNodes(initial.nodes);
-  AddBiases(initial, limits);
-  AddGnssErrors(limits);
+  AddBiases(initial, options);
+  AddGnssErrors(options);
 }
 
 void TrajectoryGraph::AddNodes(const std::vector<MapPose>& poses) {
@@ -66,24 +66,24 @@ void TrajectoryGraph::AddNodes(const std::vector<MapPose>& poses) {
 }
 
 double TrajectoryGraph::ConstantIntervalLength(const BiasProcess& process,
-                                               const IntervalLimits& limits) const {
+                                               const ChainOptions& options) const {
   switch (process.type) {
     case BiasProcess::Type::kGaussMarkov:
-      return std::min(process.tau_s * limits.per_tau, limits.max_s);
+      return std::min(process.tau_s * options.interval_per_tau, options.interval_max_s);
     case BiasProcess::Type::kRandomWalk:
-      return limits.max_s;
+      return options.interval_max_s;
     case BiasProcess::Type::kRandomConstant:
       break;
   }
   return node_t_s_.back() - node_t_s_.front();
 }
 
-void TrajectoryGraph::AddBiases(const InitialStates& initial, const IntervalLimits& limits) {
+void TrajectoryGraph::AddBiases(const InitialStates& initial, const ChainOptions& options) {
   const ImuModel& model = flight_.config.imu->model;
   const auto intervals = [&](const SensorNoise& sensor) {
     std::vector<std::vector<ConstantInterval>> out;
     for (const BiasProcess& process : sensor.processes) {
-      out.push_back(IntervalsOverNodes(node_t_s_, ConstantIntervalLength(process, limits)));
+      out.push_back(IntervalsOverNodes(node_t_s_, ConstantIntervalLength(process, options)));
     }
     return out;
   };
@@ -91,15 +91,15 @@ void TrajectoryGraph::AddBiases(const InitialStates& initial, const IntervalLimi
   gyro_bias_ = AddBiasChains(model.gyro, intervals(model.gyro),
                              {"gyro_bias/", "gyro bias", AxisNames(kXyz), "deg/h",
                               kDegPerRad * 3600.0, builder_internal::BiasProcessGroup(true), prior},
-                             initial.gyro_bias_radps, &net_);
+                             initial.gyro_bias_radps, options.model, &net_);
   accel_bias_ =
       AddBiasChains(model.accel, intervals(model.accel),
                     {"accel_bias/", "accelerometer bias", AxisNames(kXyz), "mg",
                      1e3 / kStandardGravityMps2, builder_internal::BiasProcessGroup(false), prior},
-                    initial.accel_bias_mps2, &net_);
+                    initial.accel_bias_mps2, options.model, &net_);
 }
 
-void TrajectoryGraph::AddGnssErrors(const IntervalLimits& limits) {
+void TrajectoryGraph::AddGnssErrors(const ChainOptions& options) {
   if (!flight_.gnss) return;
   const GnssConfig& config = *flight_.config.gnss;
   const TimeInterval span{node_t_s_.front() - kOnNodeS, node_t_s_.back() + kOnNodeS};
@@ -115,12 +115,12 @@ void TrajectoryGraph::AddGnssErrors(const IntervalLimits& limits) {
     const std::size_t i = gnss_error_.size();
     const double white_share =
         (least_variance / config.processes[i].sigma_enu_m.array().square()).minCoeff();
-    const double length_s = ConstantIntervalLength(process, limits) * std::min(1.0, white_share);
+    const double length_s = ConstantIntervalLength(process, options) * std::min(1.0, white_share);
     gnss_error_.push_back(
         AddProcessChain(process, IntervalsOverEpochs(epoch_t_s, length_s),
                         {"gnss_error/" + std::to_string(i), "GNSS error", AxisNames(kEnu), "sigma",
                          1.0, builder_internal::GnssErrorGroup(), builder_internal::PriorGroup()},
-                        Eigen::Vector3d::Zero(), &net_));
+                        Eigen::Vector3d::Zero(), &net_, options.model));
   }
 }
 

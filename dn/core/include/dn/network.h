@@ -224,19 +224,22 @@ class Network {
   Appended Append(const Network& other, const std::string& prefix,
                   const std::vector<std::string>& shared = {});
 
-  /// Adds a factor on blocks; a block of the wrong kind is a compile error.
+  /// Adds a factor on blocks; a block of the wrong kind is a compile error. If the kinds of the
+  /// factor are known only at run time (DynamicFactor), it throws InvalidInput as AddFactor does.
   template <class F, class... Kinds>
   FactorId Add(F factor, Block<Kinds>... blocks) {
     static_assert(std::is_base_of_v<FactorBase, F>,
                   "Network::Add: the first argument is not a factor; a function needs the noise of "
                   "its result: Add(function, Noise<R>::Sigma(..), blocks...)");
     if constexpr (std::is_base_of_v<FactorBase, F>) {
-      static_assert(std::is_base_of_v<typename F::Self, F>,
-                    "Network::Add: the first template argument of the base class Factor or "
-                    "AutoFactor must be the class of the factor itself");
-      static_assert(
-          std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
-          "Network::Add: the blocks do not match the factor's block table, see its header");
+      if constexpr (requires { typename F::BlockKinds; }) {
+        static_assert(std::is_base_of_v<typename F::Self, F>,
+                      "Network::Add: the first template argument of the base class Factor or "
+                      "AutoFactor must be the class of the factor itself");
+        static_assert(
+            std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
+            "Network::Add: the blocks do not match the factor's block table, see its header");
+      }
       return AddFactor(std::make_shared<F>(std::move(factor)), {Id(blocks)...});
     }
   }

@@ -28,6 +28,15 @@ struct FlightNetworkOptions {
   /// stays far below the white noise. An interval has at least one epoch.
   double bias_interval_per_tau = 1.0 / 40.0;
   double bias_interval_max_s = 5.0;
+  /// Called for every error process of the inertial sensors and of GNSS, to give its chain another
+  /// process; see ProcessModel. There is one chain per process of the configuration:
+  /// "gyro_bias/0", "gyro_bias/1", "accel_bias/0", "gnss_error/0" and so on. The configured process
+  /// still determines the intervals and the forward filter, so configure one with a similar sigma
+  /// and time constant. To add a process, add such an entry to the configuration of the flight:
+  ///
+  ///   flight.config.imu->model.gyro.processes.push_back(
+  ///       {dn::BiasProcess::Type::kGaussMarkov, sigma_radps, tau_s});
+  ProcessModel process_model = {};
   double position_floor_m = 1e-6;  ///< added to each inertial increment, see PreintegrationNoise
   /// Called once, before the first pairs are added. It adds unknowns to the network and returns the
   /// way to make the factor of a pair. Pairs are then built without IncrementConditioning and

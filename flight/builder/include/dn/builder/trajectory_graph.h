@@ -32,10 +32,12 @@ struct InitialStates {
 /// Largest distance in time at which a node counts as the node of an epoch, s.
 inline constexpr double kOnNodeS = 2e-6;
 
-/// The longest interval over which a Gauss-Markov process is constant.
-struct IntervalLimits {
-  double per_tau = 0.0;  ///< as a fraction of tau
-  double max_s = 0.0;
+/// Options of the process chains of a trajectory.
+struct ChainOptions {
+  /// Longest interval over which a Gauss-Markov process is constant, as a fraction of tau.
+  double interval_per_tau = 0.0;
+  double interval_max_s = 0.0;
+  ProcessModel model = {};  ///< see FlightNetworkOptions::process_model
 };
 
 /// The states of a trajectory as blocks of a network: nodes, biases of the inertial sensors, and
@@ -49,7 +51,7 @@ class TrajectoryGraph {
   /// the network must outlive the object. Throws InvalidInput if the numbers of poses and node
   /// times differ.
   TrajectoryGraph(const Flight& flight, const std::vector<double>& node_t_s,
-                  const InitialStates& initial, const IntervalLimits& limits, Network* net);
+                  const InitialStates& initial, const ChainOptions& options, Network* net);
 
   const std::vector<double>& node_times() const { return node_t_s_; }
   const std::vector<NodeBlocks>& nodes() const { return nodes_; }
@@ -86,9 +88,9 @@ class TrajectoryGraph {
 
  private:
   void AddNodes(const std::vector<MapPose>& poses);
-  void AddBiases(const InitialStates& initial, const IntervalLimits& limits);
-  void AddGnssErrors(const IntervalLimits& limits);
-  double ConstantIntervalLength(const BiasProcess& process, const IntervalLimits& limits) const;
+  void AddBiases(const InitialStates& initial, const ChainOptions& options);
+  void AddGnssErrors(const ChainOptions& options);
+  double ConstantIntervalLength(const BiasProcess& process, const ChainOptions& options) const;
 
   const Flight& flight_;
   Network& net_;
