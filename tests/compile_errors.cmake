@@ -43,6 +43,10 @@ foreach(case IN LISTS cases)
 endforeach()
 # The headers are included outside the namespaces first, and are skipped inside them.
 file(WRITE ${right} "${all_headers}${all_right}")
+# Clang rejects a wrong class even if nothing uses it, so that only GCC compiles this file.
+if(compiler MATCHES clang)
+  return()
+endif()
 compile(${right})
 if(NOT result EQUAL 0)
   message(SEND_ERROR "without their wrong lines the files do not compile:\n${output}")
