@@ -15,15 +15,9 @@
 namespace dn::bench {
 namespace {
 
-double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks) {
-  NetworkProblem problem(network);
+CeresCovariance ComputeHere(ceres::Problem& problem, const std::vector<const double*>& blocks) {
   std::vector<std::pair<const double*, const double*>> pairs;
-  for (const BlockId b : blocks) {
-    const double* value = network.block(b).value.get();
-    pairs.emplace_back(value, value);
-  }
+  for (const double* block : blocks) pairs.emplace_back(block, block);
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
   options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
@@ -31,17 +25,16 @@ CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks
   ceres::Covariance covariance(options);
   CeresCovariance result;
   const double start_s = ProcessorSeconds();
-  const bool computed = covariance.Compute(pairs, &problem.problem());
+  const bool computed = covariance.Compute(pairs, &problem);
   result.time_s = ProcessorSeconds() - start_s;
   if (!computed) {
     result.error = "rank deficient";
     return result;
   }
-  for (const BlockId b : blocks) {
-    const int size = network.block(b).kind.tangent_size;
+  for (const double* block : blocks) {
+    const int size = problem.ParameterBlockTangentSize(block);
     Eigen::MatrixXd C(size, size);
-    const double* value = network.block(b).value.get();
-    covariance.GetCovarianceBlockInTangentSpace(value, value, C.data());
+    covariance.GetCovarianceBlockInTangentSpace(block, block, C.data());
     result.covariance.push_back(C);
   }
   return result;
@@ -85,7 +78,17 @@ void LimitCpu(unsigned limit_s) {
 
 }  // namespace
 
+double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
+                               unsigned limit_s) {
+  NetworkProblem problem(network);
+  std::vector<const double*> values;
+  for (const BlockId b : blocks) values.push_back(network.block(b).value.get());
+  return ComputeByCeres(problem.problem(), values, limit_s);
+}
+
+CeresCovariance ComputeByCeres(ceres::Problem& problem, const std::vector<const double*>& blocks,
                                unsigned limit_s) {
   int ends[2];
   if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
@@ -94,13 +97,13 @@ CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blo
   if (child == 0) {
     close(ends[0]);
     LimitCpu(limit_s);
-    WriteAll(ends[1], Pack(ComputeHere(network, blocks)));
+    WriteAll(ends[1], Pack(ComputeHere(problem, blocks)));
     _exit(0);
   }
   close(ends[1]);
   std::size_t count = 1;
-  for (const BlockId b : blocks) {
-    const auto size = static_cast<std::size_t>(network.block(b).kind.tangent_size);
+  for (const double* block : blocks) {
+    const auto size = static_cast<std::size_t>(problem.ParameterBlockTangentSize(block));
     count += size * size;
   }
   std::vector<double> numbers(count);
@@ -113,13 +116,13 @@ CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blo
   if (bytes == 0) {
     result.error = "not finished in " + std::to_string(limit_s) + " s of processor time";
   } else if (numbers[0] < 0.0 || bytes < count * sizeof(double)) {
-    result.error = "ceres::Covariance takes the network for rank deficient";
+    result.error = "ceres::Covariance takes the problem for rank deficient";
   }
   if (!result.error.empty()) return result;
   result.time_s = numbers[0];
   const double* at = numbers.data() + 1;
-  for (const BlockId b : blocks) {
-    const int size = network.block(b).kind.tangent_size;
+  for (const double* block : blocks) {
+    const int size = problem.ParameterBlockTangentSize(block);
     result.covariance.emplace_back(Eigen::Map<const Eigen::MatrixXd>(at, size, size));
     at += size * size;
   }

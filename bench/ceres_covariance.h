@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+namespace ceres {
+class Problem;
+}  // namespace ceres
+
 namespace dn::bench {
 
 /// Covariances of some blocks in tangent coordinates, as computed by ceres::Covariance.
@@ -15,8 +19,16 @@ struct CeresCovariance {
   std::vector<Eigen::MatrixXd> covariance;  ///< one per requested block
 };
 
-/// Runs ceres::Covariance (SuiteSparse sparse QR, one thread) on the network in a separate process.
-/// The process is ended after limit_s of processor time, which `error` then reports.
+/// Returns the processor time of this process, s.
+double ProcessorSeconds();
+
+/// Runs ceres::Covariance (SuiteSparse sparse QR, one thread) on parameter blocks of a problem in a
+/// separate process. The process is ended after limit_s of processor time, which `error` then
+/// reports.
+CeresCovariance ComputeByCeres(ceres::Problem& problem, const std::vector<const double*>& blocks,
+                               unsigned limit_s);
+
+/// Does the same for blocks of a network.
 CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
                                unsigned limit_s);
 

@@ -2,16 +2,10 @@
 /// with ceres::Covariance for comparison on the smallest flight. Also the solution with and without
 /// Ceres.
 #include <benchmark/benchmark.h>
-#include <dn/adjustment/adjust.h>
 #include <dn/builder/flight_network.h>
-#include <dn/builder/node_grid.h>
-#include <dn/navigation/alignment.h>
-#include <dn/sim/scenario.h>
-#include <dn/sim/simulate.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 
-#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,54 +13,21 @@
 #include <vector>
 
 #include "ceres_covariance.h"
-#include "flight_sizes.h"
+#include "flight_networks.h"
 
 namespace dn::bench {
 namespace {
 
 constexpr unsigned kCeresLimit_s = 60;
-constexpr double kStripJoin_s = 5.0;
 constexpr double kNodeRate_hz = 5.0;
 constexpr double kSparseRate_hz = 1.0;
 
-std::vector<TimeInterval> LidarIntervals(const Flight& flight) {
-  std::vector<double> t_s;
-  for (const LidarPair& pair : flight.pairs->pairs) {
-    t_s.push_back(pair.t_i_s);
-    t_s.push_back(pair.t_j_s);
-  }
-  return ClusterEpochs(t_s, kStripJoin_s);
-}
-
-std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated, double rate_hz) {
-  const Flight& flight = simulated.flight;
-  const TimeInterval span = NetworkSpan(flight, true);
-  NodeGridOptions grid;
-  grid.rate_in_strips_hz = rate_hz;
-  const std::vector<double> node_t_s =
-      NodeTimes(*flight.imu, span, GnssTimes(flight, span), LidarIntervals(flight), grid);
-  InitialStates initial;
-  for (const double t_s : node_t_s) initial.nodes.push_back(simulated.truth->Pose(t_s));
-  auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial);
-  network->net().SetValue(network->calibration().boresight(), Exp(simulated.boresight_rad));
-  network->AddPairs(flight.pairs->pairs);
-  return network;
-}
-
 /// Returns the network of a size, which is created once.
 FlightNetwork& BuildNetwork(const std::string& size, double rate_hz = kNodeRate_hz) {
-  struct Entry {
-    std::unique_ptr<SimulatedFlight> flight;  // the network refers to it
-    std::unique_ptr<FlightNetwork> network;
-  };
-  static std::map<std::pair<std::string, double>, Entry> entries;
-  Entry& entry = entries[{size, rate_hz}];
-  if (!entry.network) {
-    const Scenario scenario = ParseScenario(ScenarioText(SizeByName(size), "airins"), size);
-    entry.flight = std::make_unique<SimulatedFlight>(Simulate(scenario, {}));
-    entry.network = NetworkAtTruth(*entry.flight, rate_hz);
-  }
-  return *entry.network;
+  static std::map<std::pair<std::string, double>, std::unique_ptr<FlightAtTruth>> flights;
+  std::unique_ptr<FlightAtTruth>& flight = flights[{size, rate_hz}];
+  if (!flight) flight = MakeFlightAtTruth(size, rate_hz);
+  return *flight->network;
 }
 
 std::vector<BlockId> NodeBlockIds(const FlightNetwork& network) {

@@ -88,6 +88,22 @@ static_assert(std::is_same_v<StoredNumber<const Network>, double>);
 static_assert(std::is_same_v<StoredNumbers<const Network>, const double*>);
 static_assert(std::is_same_v<StoredNumber<Network>, double&>);
 
+// A fixed size that differs does not compile: see compile_errors/vector_size.cc.
+TEST(Network, RejectsDynamicValuesOfAnotherSize) {
+  Network net;
+  const Eigen::VectorXd two = Eigen::VectorXd::Ones(2), three = Eigen::VectorXd::Ones(3);
+  EXPECT_THAT(
+      [&] { net.AddVector<3>("p", two); },
+      ThrowsMessage<InvalidInput>(HasSubstr("value of block 'p' has size 2 x 1, must be 3 x 1")));
+  const auto p = net.AddVector<3>("p", 2.0 * three);
+  EXPECT_EQ(net.Value(p), Eigen::Vector3d(2, 2, 2));
+  net.SetValue(p, three.transpose());
+  EXPECT_EQ(net.Value(p), Eigen::Vector3d(1, 1, 1));
+  EXPECT_THAT([&] { net.SetValue(p, two); },
+              ThrowsMessage<InvalidInput>(HasSubstr("value of block 'p' has size 2 x 1")));
+  EXPECT_EQ(net.Value(p), Eigen::Vector3d(1, 1, 1));
+}
+
 TEST(Network, RejectsBadBlocks) {
   Network net;
   net.AddVector<1>("x", Scalar(0.0));

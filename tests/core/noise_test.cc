@@ -38,6 +38,20 @@ TEST(Noise, RejectsWhatIsNoStandardDeviation) {
   }
 }
 
+// A fixed size that differs does not compile: see compile_errors/noise_size.cc.
+TEST(Noise, RejectsDynamicMatricesOfAnotherSize) {
+  const Eigen::VectorXd two = Eigen::VectorXd::Constant(2, 0.1);
+  const Eigen::VectorXd three = Eigen::VectorXd::Constant(3, 0.1);
+  const Eigen::MatrixXd wide = Eigen::MatrixXd::Identity(2, 3);
+  EXPECT_THROW(Noise<3>::Sigma(two), InvalidInput);
+  EXPECT_THROW(Noise<3>::Covariance(wide), InvalidInput);
+  EXPECT_THROW(Noise<2>::Information(wide), InvalidInput);
+  EXPECT_EQ(Noise<3>::Sigma(three).sqrt_information(), 10.0 * Eigen::Matrix3d::Identity());
+  EXPECT_EQ(Noise<3>::Sigma(three.transpose()).sqrt_information(),
+            10.0 * Eigen::Matrix3d::Identity());
+  EXPECT_EQ(Noise<2>::Covariance(wide.leftCols(2)).sqrt_information(), Eigen::Matrix2d::Identity());
+}
+
 TEST(Noise, RejectsWhatIsNoCovariance) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Eigen::Matrix2d C;

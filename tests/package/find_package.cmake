@@ -74,6 +74,9 @@ endfunction()
 run_page(readme README.md 0 "${lists}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
 run_page(tutorial_unknown ${tutorial} 0 "${lists}" "5 stations: z = 9[45].*3 stations: .*offset")
 run_page(tutorial_factor ${tutorial} 1 "${lists}" "largest residual: .*distance.*sigma0")
+run_page(from_ceres docs/guides/coming-from-ceres.md 0 "${lists}"
+  "x = 10.000 m, sigma of the half angle 0.00224.*x = 10.000 m, sigma of the angle 0.00447")
+run_page(from_gtsam docs/guides/coming-from-gtsam.md 0 "${lists}" "converged: x1 at 2.00 0.00")
 string(REGEX REPLACE "target_link_libraries[^\n]*\n" "${more_layers}" lists "${lists}")
 run_page(tutorial_flight ${tutorial} 2 "${lists}" "with the altimeter.*altimeter offset [12]\\.[0-9]+ \\+-")
 
@@ -99,6 +102,12 @@ run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build ${compilers}
 run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/build)
 run(${SCRATCH_DIR}/build/consumer)
 message(STATUS "consumer: ${output}")
+
+# Builds and runs programs like those of users.
+run(${CMAKE_COMMAND} -S ${PROGRAMS_DIR} -B ${SCRATCH_DIR}/programs ${compilers}
+  -D CMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/programs --parallel)
+run(${CMAKE_CTEST_COMMAND} --test-dir ${SCRATCH_DIR}/programs --output-on-failure)
 
 # A missing component must be reported by name.
 execute_process(

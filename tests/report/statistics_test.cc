@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/report/json.h>
 #include <dn/report/statistics.h>
 #include <gtest/gtest.h>
 

@@ -48,8 +48,13 @@ requires std::is_base_of_v<FactorBase, F> std::unique_ptr<ceres::CostFunction> M
 /// MakeCostFunction<Vec<3>, Scalar>(function, noise).
 template <class... Kinds, class Function, int R>
 std::unique_ptr<ceres::CostFunction> MakeCostFunction(Function function, const Noise<R>& noise) {
-  return MakeCostFunction(
-      std::make_shared<const FunctionFactor<Function, R, Kinds...>>(std::move(function), noise));
+  using Check = core_internal::CheckFunction<Function, Kinds...>;
+  core_internal::ExpectFit<Check::Fit(), Check::template Size<R>(), R>();
+  if constexpr (Check::template kGood<R>) {
+    return MakeCostFunction(
+        std::make_shared<const FunctionFactor<Function, R, Kinds...>>(std::move(function), noise));
+  }
+  return nullptr;
 }
 
 namespace solvers_internal {

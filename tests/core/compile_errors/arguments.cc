@@ -1,4 +1,4 @@
-// says: the function cannot be called with these blocks
+// says: dn: the function cannot be called with these blocks
 #include <dn/network.h>
 
 int main() {

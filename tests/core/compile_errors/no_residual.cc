@@ -1,4 +1,4 @@
-// says: AutoFactor: the factor needs `template <class T> bool Residual
+// says: dn: the class derived from AutoFactor needs
 #include <dn/network.h>
 
 struct Short : dn::AutoFactor<Short, 1, dn::Vec<3>, dn::Vec<1>> {

@@ -1,4 +1,4 @@
-// says: it cannot be differentiated
+// says: dn: the result of the function does not have the number type
 #include <dn/network.h>
 
 int main() {

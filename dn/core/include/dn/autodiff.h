@@ -20,6 +20,14 @@ inline bool IsUnwritten(double value) {
   return std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(UnwrittenNan());
 }
 
+/// The number type with which Differentiate calls a function of blocks of these sizes.
+template <int... kSizes>
+using BlockJet = ceres::Jet<double, (0 + ... + kSizes)>;
+
+/// The number type with which DifferentiateDynamic calls a function: a few derivatives at a time.
+inline constexpr int kDynamicStride = 6;
+using DynamicJet = ceres::Jet<double, kDynamicStride>;
+
 /// Computes the residual and Jacobians of `function(x, r)` by automatic differentiation. `function`
 /// is a template over the number type of x and r, with R residuals and blocks of the given sizes.
 /// Arguments and layout are those of FactorBase::Evaluate. Rows that the function does not write
@@ -29,7 +37,7 @@ bool Differentiate(const Function& function, double const* const* x, double* r, 
   constexpr int kBlocks = sizeof...(kSizes);
   constexpr std::array<int, kBlocks> kSize{kSizes...};
   constexpr int kTotal = (kSizes + ...);
-  using Jet = ceres::Jet<double, kTotal>;
+  using Jet = BlockJet<kSizes...>;
   std::array<Jet, kTotal> jets;
   std::array<const Jet*, kBlocks> blocks;
   for (int b = 0, k = 0; b < kBlocks; ++b) {
@@ -52,8 +60,7 @@ bool Differentiate(const Function& function, double const* const* x, double* r, 
 template <class Function>
 bool DifferentiateDynamic(const Function& function, const std::vector<int>& sizes, int residuals,
                           double const* const* x, double* r, double** J) {
-  constexpr int kStride = 6;
-  using Jet = ceres::Jet<double, kStride>;
+  using Jet = DynamicJet;
   std::vector<std::vector<Jet>> jets;
   std::vector<const Jet*> blocks;
   std::vector<Jet*> wanted;  // coordinates to differentiate by, and the targets of their columns
@@ -68,7 +75,7 @@ bool DifferentiateDynamic(const Function& function, const std::vector<int>& size
   }
   std::size_t first = 0;
   do {
-    const std::size_t past = std::min(wanted.size(), first + kStride);
+    const std::size_t past = std::min(wanted.size(), first + kDynamicStride);
     for (std::size_t k = first; k < past; ++k) wanted[k]->v[static_cast<int>(k - first)] = 1.0;
     std::vector<Jet> out(static_cast<std::size_t>(residuals), Jet(UnwrittenNan()));
     if (!function(blocks.data(), out.data())) return false;

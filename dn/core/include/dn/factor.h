@@ -5,6 +5,7 @@
 #include <dn/manifold.h>
 
 #include <Eigen/Core>
+#include <concepts>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -78,6 +79,32 @@ void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase
   out.noalias() = J_r_x.template leftCols<3>() * lift;
 }
 
+namespace core_internal {
+
+/// Classes whose Evaluate is that of Base.
+template <class Derived, class Base>
+concept InheritsEvaluate = requires {
+  { &Derived::Evaluate } -> std::same_as<decltype(&Base::Evaluate)>;
+};
+
+/// Pointer to the stored numbers of a block of this kind.
+template <class Kind, class T>
+using StoredNumbers = const T*;
+
+/// Classes with the Residual of an AutoFactor, called with numbers of type T.
+template <class Derived, class T, class... Kinds>
+concept HasResidual = requires(const Derived& factor, StoredNumbers<Kinds, T>... x, T* r) {
+  { factor.Residual(x..., r) } -> std::convertible_to<bool>;
+};
+
+/// Classes with the Residual of a DynamicAutoFactor, called with numbers of type T.
+template <class Derived, class T>
+concept HasListResidual = requires(const Derived& factor, const T* const* x, T* r) {
+  { factor.Residual(x, r) } -> std::convertible_to<bool>;
+};
+
+}  // namespace core_internal
+
 /// Base of a factor with R residuals on blocks of fixed kinds that computes its own Jacobians.
 ///
 /// Derive as `class MyFactor : public Factor<MyFactor, R, Rotation, Vec<3>>` and write Evaluate
@@ -95,16 +122,30 @@ class Factor : public FactorBase {
     return kinds;
   }
 
+  /// Not pure virtual, so that the compiler names the function that is missing.
+  bool Evaluate(double const* const*, double*, double**) const override {
+    static_assert(!core_internal::InheritsEvaluate<Derived, Factor>,
+                  "dn: the class derived from Factor needs `bool Evaluate(double const* const* x, "
+                  "double* r, double** J) const override`");
+    return false;
+  }
+
  protected:
   /// Writes the tangent Jacobian J_r_xI (R x tangent size of block I); does nothing if it was not
   /// requested.
   template <int I, class Matrix>
   static void Put(double const* const* x, double** J, const Eigen::MatrixBase<Matrix>& J_r_xI) {
-    using Kind = std::tuple_element_t<I, BlockKinds>;
-    static_assert(Matrix::RowsAtCompileTime == R, "Put: the Jacobian needs one row per residual");
-    static_assert(Matrix::ColsAtCompileTime == Kind::kTangentSize,
-                  "Put: the Jacobian needs one column per tangent coordinate of the block");
-    if (J != nullptr) PutJacobian(MakeBlockKind<Kind>(), x[I], J_r_xI, J[I]);
+    constexpr bool kIsBlock = I >= 0 && I < static_cast<int>(sizeof...(Kinds));
+    static_assert(kIsBlock, "dn: Put<I>: the factor has no block with this number; the first is 0");
+    if constexpr (kIsBlock) {
+      using Kind = std::tuple_element_t<I, BlockKinds>;
+      static_assert(Matrix::RowsAtCompileTime == R,
+                    "dn: Put<I>: the Jacobian needs one row per residual");
+      static_assert(
+          Matrix::ColsAtCompileTime == Kind::kTangentSize,
+          "dn: Put<I>: the Jacobian needs one column per tangent coordinate of the block");
+      if (J != nullptr) PutJacobian(MakeBlockKind<Kind>(), x[I], J_r_xI, J[I]);
+    }
   }
 };
 
@@ -118,24 +159,29 @@ template <class Derived, int R, class... Kinds>
 class AutoFactor : public Factor<Derived, R, Kinds...> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {
-    static_assert(std::is_base_of_v<AutoFactor, Derived>,
-                  "AutoFactor: the first template argument must be the class that derives from it");
-    const auto residual = [this](const auto* blocks, auto* out) {
-      return this->Call(blocks, out, std::index_sequence_for<Kinds...>{});
-    };
-    if (J == nullptr) return residual(x, r);
-    return Differentiate<R, Kinds::kSize...>(residual, x, r, J);
+    static_assert(
+        std::is_base_of_v<AutoFactor, Derived>,
+        "dn: the first template argument of AutoFactor must be the class that derives from it");
+    constexpr bool kHasResidual =
+        core_internal::HasResidual<Derived, double, Kinds...> &&
+        core_internal::HasResidual<Derived, BlockJet<Kinds::kSize...>, Kinds...>;
+    static_assert(kHasResidual,
+                  "dn: the class derived from AutoFactor needs a public `template <class T> bool "
+                  "Residual(const T* x0, ..., T* r) const` with one x per block");
+    if constexpr (kHasResidual) {
+      const auto residual = [this](const auto* blocks, auto* out) {
+        return this->Call(blocks, out, std::index_sequence_for<Kinds...>{});
+      };
+      if (J == nullptr) return residual(x, r);
+      return Differentiate<R, Kinds::kSize...>(residual, x, r, J);
+    }
+    return false;
   }
 
  private:
   template <class T, std::size_t... I>
   bool Call(const T* const* x, T* r, std::index_sequence<I...>) const {
-    const auto& derived = static_cast<const Derived&>(*this);
-    static_assert(
-        requires { derived.Residual(x[I]..., r); },
-        "AutoFactor: the factor needs `template <class T> bool Residual(const T* x0, ..., "
-        "T* r) const`, one x per block");
-    return derived.Residual(x[I]..., r);
+    return static_cast<const Derived&>(*this).Residual(x[I]..., r);
   }
 };
 
@@ -182,12 +228,20 @@ class DynamicAutoFactor : public DynamicFactor {
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     static_assert(
         std::is_base_of_v<DynamicAutoFactor, Derived>,
-        "DynamicAutoFactor: the template argument must be the class that derives from it");
-    const auto residual = [this](const auto* blocks, auto* out) {
-      return static_cast<const Derived&>(*this).Residual(blocks, out);
-    };
-    if (J == nullptr) return residual(x, r);
-    return DifferentiateDynamic(residual, stored_sizes(), residual_size(), x, r, J);
+        "dn: the template argument of DynamicAutoFactor must be the class that derives from it");
+    constexpr bool kHasResidual = core_internal::HasListResidual<Derived, double> &&
+                                  core_internal::HasListResidual<Derived, DynamicJet>;
+    static_assert(kHasResidual,
+                  "dn: the class derived from DynamicAutoFactor needs a public `template <class T> "
+                  "bool Residual(const T* const* x, T* r) const`");
+    if constexpr (kHasResidual) {
+      const auto residual = [this](const auto* blocks, auto* out) {
+        return static_cast<const Derived&>(*this).Residual(blocks, out);
+      };
+      if (J == nullptr) return residual(x, r);
+      return DifferentiateDynamic(residual, stored_sizes(), residual_size(), x, r, J);
+    }
+    return false;
   }
 
  protected:

@@ -34,19 +34,117 @@ template <class Result>
 struct IsOptional<std::optional<Result>> : std::true_type {};
 
 template <class Result>
+constexpr bool IsEigen() {
+  return std::is_base_of_v<Eigen::EigenBase<Result>, Result>;
+}
+
+template <class Result>
 constexpr bool IsExpression() {
   return !std::is_base_of_v<Eigen::PlainObjectBase<Result>, Result>;
 }
 
-/// Compares the two sizes as template arguments, so that the compiler's message shows both.
-template <int kReturned, int kNoise>
-struct ResidualSizes {
-  static_assert(
-      kReturned == kNoise,
-      "Network::Add: the function returns a different number of residuals than its Noise<R> "
-      "has: see ResidualSizes<returned, R> in this message");
-  static constexpr bool kEqual = kReturned == kNoise;
+/// How a function fits the blocks that it is given.
+enum class FunctionFit {
+  kGood,
+  kOtherBlocks,
+  kMutable,
+  kExpression,
+  kOtherShape,
+  kNotDifferentiable,
 };
+
+/// Judges the result of a function of blocks with numbers of type T.
+template <class T, class Result>
+constexpr FunctionFit ResultFit() {
+  if constexpr (IsOptional<Result>::value) {
+    return ResultFit<T, typename Result::value_type>();
+  } else if constexpr (IsEigen<Result>()) {
+    if (IsExpression<Result>()) return FunctionFit::kExpression;
+    if (Result::SizeAtCompileTime == Eigen::Dynamic || Result::ColsAtCompileTime != 1) {
+      return FunctionFit::kOtherShape;
+    }
+    return std::is_same_v<typename Result::Scalar, T> ? FunctionFit::kGood
+                                                      : FunctionFit::kNotDifferentiable;
+  } else {
+    if (std::is_same_v<Result, T>) return FunctionFit::kGood;
+    return std::is_arithmetic_v<Result> ? FunctionFit::kNotDifferentiable
+                                        : FunctionFit::kOtherShape;
+  }
+}
+
+/// Returns the number of residuals in a result that fits.
+template <class Result>
+constexpr int ResultSize() {
+  if constexpr (IsOptional<Result>::value) {
+    return ResultSize<typename Result::value_type>();
+  } else if constexpr (IsEigen<Result>()) {
+    return Result::SizeAtCompileTime;
+  } else {
+    return 1;
+  }
+}
+
+/// Stops the compiler with a sentence about the function. Its callers instantiate nothing that
+/// needs a good function, so that this sentence is the only error.
+template <FunctionFit kFit, int kReturned, int kNoise>
+void ExpectFit() {
+  static_assert(kFit != FunctionFit::kOtherBlocks,
+                "dn: the function cannot be called with these blocks: it takes one const auto& per "
+                "block in their order, or one for a whole list of blocks");
+  static_assert(kFit != FunctionFit::kMutable,
+                "dn: the function changes its own state, which a factor must not: omit `mutable`");
+  static_assert(kFit != FunctionFit::kExpression,
+                "dn: the function returns an Eigen expression, which may refer to values that no "
+                "longer exist: end it with .eval()");
+  static_assert(kFit != FunctionFit::kOtherShape,
+                "dn: the function must return a number or an Eigen vector of fixed size");
+  static_assert(kFit != FunctionFit::kNotDifferentiable,
+                "dn: the result of the function does not have the number type of its blocks, so it "
+                "cannot be differentiated: take const auto&, and do not convert it to double");
+  static_assert(kReturned == kNoise,
+                "dn: the function returns a different number of residuals than its Noise<R> has");
+}
+
+/// Judges a function whose arguments are views with numbers of type T.
+template <class T, class Function, class... Views>
+struct FunctionCheck {
+  using Result = std::remove_cvref_t<typename std::conditional_t<
+      std::is_invocable_v<const Function&, Views...>, std::invoke_result<const Function&, Views...>,
+      std::type_identity<void>>::type>;
+
+  static constexpr FunctionFit Fit() {
+    if constexpr (std::is_invocable_v<const Function&, Views...>) {
+      return ResultFit<T, Result>();
+    } else {
+      return std::is_invocable_v<Function&, Views...> ? FunctionFit::kMutable
+                                                      : FunctionFit::kOtherBlocks;
+    }
+  }
+
+  /// Returns the number of residuals, or R if the function does not fit for another reason.
+  template <int R>
+  static constexpr int Size() {
+    if constexpr (Fit() == FunctionFit::kGood) {
+      return ResultSize<Result>();
+    } else {
+      return R;
+    }
+  }
+
+  template <int R>
+  static constexpr bool kGood = (Fit() == FunctionFit::kGood) && (Size<R>() == R);
+};
+
+/// The view of a block of this kind with numbers of type T.
+template <class Kind, class T>
+using BlockView = decltype(MakeView<Kind>(std::declval<const T*>()));
+
+template <class Function, class... Kinds>
+using CheckFunction = FunctionCheck<BlockJet<Kinds::kSize...>, Function,
+                                    BlockView<Kinds, BlockJet<Kinds::kSize...>>...>;
+
+template <class Function, class Kind>
+using CheckListFunction = FunctionCheck<DynamicJet, Function, const BlockViews<Kind, DynamicJet>&>;
 
 /// Copies a function's result to the residuals before whitening; returns false if it is
 /// std::nullopt.
@@ -54,28 +152,10 @@ template <int R, class T, class Result>
 bool Unpack(const Result& result, std::array<T, R>* f) {
   if constexpr (IsOptional<Result>::value) {
     return result.has_value() && Unpack<R, T>(*result, f);
-  } else if constexpr (std::is_base_of_v<Eigen::EigenBase<Result>, Result>) {
-    static_assert(
-        !IsExpression<Result>(),
-        "Network::Add: the function returns an Eigen expression, which may refer to values "
-        "that no longer exist: end it with .eval()");
-    static_assert(std::is_same_v<typename Result::Scalar, T>,
-                  "Network::Add: the result of the function does not have the scalar type of its "
-                  "blocks, so it cannot be differentiated: do not convert it to double");
-    static_assert(Result::SizeAtCompileTime != Eigen::Dynamic && Result::ColsAtCompileTime == 1,
-                  "Network::Add: the function must return a number or a vector of fixed size");
-    static_assert(ResidualSizes<Result::SizeAtCompileTime, R>::kEqual);
+  } else if constexpr (IsEigen<Result>()) {
     for (int i = 0; i < R; ++i) (*f)[static_cast<std::size_t>(i)] = result[i];
     return true;
   } else {
-    static_assert(
-        std::is_convertible_v<Result, T>,
-        "Network::Add: the function must return a number or a vector of fixed size (Eigen, "
-        "or std::optional of one)");
-    static_assert(std::is_same_v<Result, T>,
-                  "Network::Add: the result of the function does not have the scalar type of its "
-                  "blocks, so it cannot be differentiated: do not convert it to double");
-    static_assert(ResidualSizes<1, R>::kEqual);
     (*f)[0] = result;
     return true;
   }
@@ -100,14 +180,12 @@ bool Whiten(const Eigen::Matrix<double, R, R>& W, const Result& result, T* r) {
 /// Factor of a function: r = W f(blocks), differentiated automatically. See Network::Add.
 template <class Function, int R, class... Kinds>
 class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>, R, Kinds...> {
-  static_assert(std::is_invocable_v<const Function&, decltype(MakeView<Kinds>(
-                                                         static_cast<const double*>(nullptr)))...>,
-                "Network::Add: the function cannot be called with these blocks: it takes one const "
-                "auto& per block, in their order");
-
  public:
   FunctionFactor(Function function, const Noise<R>& noise)
-      : function_(std::move(function)), W_(noise.sqrt_information()) {}
+      : function_(std::move(function)), W_(noise.sqrt_information()) {
+    using Check = core_internal::CheckFunction<Function, Kinds...>;
+    core_internal::ExpectFit<Check::Fit(), Check::template Size<R>(), R>();
+  }
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     const auto residual = [this](const auto* blocks, auto* out) {
@@ -130,14 +208,14 @@ class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>
 /// Factor of a function of any number of blocks of one kind; the function takes their BlockViews.
 template <class Function, int R, class Kind>
 class ListFunctionFactor final : public DynamicFactor {
-  static_assert(std::is_invocable_v<const Function&, const BlockViews<Kind, double>&>,
-                "Network::Add: the function must take the list of blocks as one const auto&");
-
  public:
   ListFunctionFactor(Function function, const Noise<R>& noise, std::size_t num_blocks)
       : DynamicFactor(R, std::vector<BlockKind>(num_blocks, MakeBlockKind<Kind>())),
         function_(std::move(function)),
-        W_(noise.sqrt_information()) {}
+        W_(noise.sqrt_information()) {
+    using Check = core_internal::CheckListFunction<Function, Kind>;
+    core_internal::ExpectFit<Check::Fit(), Check::template Size<R>(), R>();
+  }
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     const auto n = static_cast<int>(block_kinds().size());

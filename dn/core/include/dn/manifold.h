@@ -39,6 +39,20 @@ concept BuiltInKind = requires {
   Kind::kKind;
 };
 
+/// Kinds with a PlusJacobian, their own or by differentiation of Plus.
+template <class M>
+concept DifferentiableKind = requires(const double* x, double* J) {
+  M::PlusJacobian(x, J);
+}
+|| requires(const ceres::Jet<double, M::kTangentSize>* x,
+            ceres::Jet<double, M::kTangentSize>* x_plus_d) {
+  M::Plus(x, x, x_plus_d);
+};
+
+/// Kinds that Network::AddBlock takes.
+template <class Kind>
+concept CompleteKind = BuiltInKind<Kind> ||(ManifoldKind<Kind>&& DifferentiableKind<Kind>);
+
 /// Computes d Plus / d d of a manifold whose Plus is a template.
 template <class M>
 void DifferentiatePlus(const double* x, double* J) {
@@ -93,11 +107,18 @@ template <class Kind>
 constexpr BlockKind MakeBlockKind() {
   if constexpr (core_internal::BuiltInKind<Kind>) {
     return Kind::kKind;
-  } else {
-    static_assert(ManifoldKind<Kind>,
-                  "a block kind needs kSize, kTangentSize, Plus and Minus: see dn/manifold.h");
+  } else if constexpr (core_internal::CompleteKind<Kind>) {
     return {Parametrisation::kManifold, Kind::kSize, Kind::kTangentSize,
             &core_internal::kManifoldFunctions<Kind>};
+  } else {
+    constexpr bool kIsKind = ManifoldKind<Kind>;
+    static_assert(kIsKind,
+                  "dn: a block kind needs kSize, kTangentSize, Plus and Minus: see dn/manifold.h");
+    constexpr bool kIsDifferentiable = core_internal::DifferentiableKind<Kind>;
+    static_assert(!kIsKind || kIsDifferentiable,
+                  "dn: a block kind whose Plus takes only doubles needs PlusJacobian: see "
+                  "dn/manifold.h");
+    return {};
   }
 }
 

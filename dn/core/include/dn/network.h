@@ -4,6 +4,7 @@
 #include <dn/error.h>
 #include <dn/factor.h>
 #include <dn/factor_group.h>
+#include <dn/fixed_size.h>
 #include <dn/function_factor.h>
 #include <dn/manifold.h>
 #include <dn/pose.h>
@@ -116,6 +117,36 @@ struct FactorRecord {
 void CheckHandle(const std::string& name, const BlockKind& kind, NetworkId network,
                  const BlockKind& expected_kind, NetworkId expected_network);
 
+namespace core_internal {
+
+/// Takes any argument of a call that does not fit.
+struct AnyArgument {
+  template <class... Arguments>
+  AnyArgument(const Arguments&...) {}  // NOLINT(google-explicit-constructor)
+};
+
+template <int R>
+void TakeNoiseOrBlock(const Noise<R>&);
+template <class Kind>
+void TakeNoiseOrBlock(const Block<Kind>&);
+template <class Kind>
+void TakeNoiseOrBlock(const std::vector<Block<Kind>>&);
+
+/// Arguments that Network::Add takes after a factor or a function.
+template <class Argument>
+concept NoiseOrBlock = requires(const Argument& argument) {
+  TakeNoiseOrBlock(argument);
+};
+
+/// Factors whose blocks are known at compile time.
+template <class F>
+concept FactorOfKinds = requires {
+  typename F::Self;
+  typename F::BlockKinds;
+};
+
+}  // namespace core_internal
+
 /// A dynamic network: named blocks of unknowns and the factors (edges) between them.
 ///
 /// It only describes the problem; dn::Solve and dn::Marginals (layer solvers) operate on it. Blocks
@@ -147,6 +178,11 @@ class Network {
   Block<Vec<N>> AddVector(const std::string& name, const Eigen::Matrix<double, N, 1>& value) {
     return Handle<Vec<N>>(AddStored(name, Vec<N>::kKind, value.data()));
   }
+  template <int N, class Derived>
+  Block<Vec<N>> AddVector(const std::string& name, const Eigen::MatrixBase<Derived>& value) {
+    return AddVector<N>(
+        name, core_internal::FixedSize<N, 1>(value, "network: value of block '" + name + "'"));
+  }
 
   /// Adds one real number. Throws as AddVector does.
   Block<Scalar> AddScalar(const std::string& name, double value) {
@@ -163,11 +199,18 @@ class Network {
   /// InvalidInput if Plus cannot move the value in every direction. The first block of a user's own
   /// kind is also checked by CheckManifold, so that a wrong Minus or PlusJacobian throws here.
   template <class Kind>
-  Block<Kind> AddBlock(const std::string& name,
-                       const std::type_identity_t<BlockValue<Kind>>& value) {
+  requires core_internal::CompleteKind<Kind> Block<Kind> AddBlock(
+      const std::string& name, const std::type_identity_t<BlockValue<Kind>>& value) {
     double x[Kind::kSize];
     StoreValue<Kind>(value, x);
     return Handle<Kind>(AddStored(name, MakeBlockKind<Kind>(), x));
+  }
+  /// Explains, as a compiler error, what the kind lacks.
+  template <class Kind>
+  requires(!core_internal::CompleteKind<Kind>) Block<Kind> AddBlock(
+      const std::string&, const core_internal::AnyArgument&) {
+    MakeBlockKind<Kind>();
+    return {};
   }
 
   /// Adds a block whose kind is known only at run time, such as VectorKind(n). `owner` is kept as
@@ -228,20 +271,25 @@ class Network {
   /// factor are known only at run time (DynamicFactor), it throws InvalidInput as AddFactor does.
   template <class F, class... Kinds>
   FactorId Add(F factor, Block<Kinds>... blocks) {
-    static_assert(std::is_base_of_v<FactorBase, F>,
-                  "Network::Add: the first argument is not a factor; a function needs the noise of "
-                  "its result: Add(function, Noise<R>::Sigma(..), blocks...)");
-    if constexpr (std::is_base_of_v<FactorBase, F>) {
-      if constexpr (requires { typename F::BlockKinds; }) {
-        static_assert(std::is_base_of_v<typename F::Self, F>,
-                      "Network::Add: the first template argument of the base class Factor or "
-                      "AutoFactor must be the class of the factor itself");
-        static_assert(
-            std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
-            "Network::Add: the blocks do not match the factor's block table, see its header");
+    constexpr bool kIsFactor = std::is_base_of_v<FactorBase, F>;
+    static_assert(kIsFactor,
+                  "dn: the first argument of Network::Add is not a factor; a function needs the "
+                  "noise of its result: Add(function, Noise<R>::Sigma(..), blocks...)");
+    if constexpr (core_internal::FactorOfKinds<F>) {
+      constexpr bool kIsSelf = std::is_base_of_v<typename F::Self, F>;
+      static_assert(kIsSelf,
+                    "dn: the first template argument of the base class Factor or AutoFactor must "
+                    "be the class of the factor itself");
+      constexpr bool kSameKinds = std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>;
+      static_assert(kSameKinds,
+                    "dn: the blocks do not match the factor's block table, see its header");
+      if constexpr (kIsSelf && kSameKinds) {
+        return AddFactor(std::make_shared<F>(std::move(factor)), {Id(blocks)...});
       }
+    } else if constexpr (kIsFactor) {
       return AddFactor(std::make_shared<F>(std::move(factor)), {Id(blocks)...});
     }
+    return -1;
   }
 
   /// Adds the factor r = W f(blocks), where W comes from the noise and the Jacobians from automatic
@@ -257,18 +305,46 @@ class Network {
   /// model is undefined. Other shapes do not compile.
   template <class Function, int R, class... Kinds>
   FactorId Add(Function function, const Noise<R>& noise, Block<Kinds>... blocks) {
-    using F = FunctionFactor<Function, R, Kinds...>;
-    return AddFactor(std::make_shared<F>(std::move(function), noise), {Id(blocks)...});
+    constexpr bool kIsFunction = !std::is_base_of_v<FactorBase, Function>;
+    static_assert(kIsFunction,
+                  "dn: a factor class whitens its own residual: Add(factor, blocks...) takes no "
+                  "noise");
+    static_assert(sizeof...(Kinds) > 0, "dn: a factor needs at least one block");
+    if constexpr (kIsFunction && sizeof...(Kinds) > 0) {
+      using Check = core_internal::CheckFunction<Function, Kinds...>;
+      core_internal::ExpectFit<Check::Fit(), Check::template Size<R>(), R>();
+      if constexpr (Check::template kGood<R>) {
+        using F = FunctionFactor<Function, R, Kinds...>;
+        return AddFactor(std::make_shared<F>(std::move(function), noise), {Id(blocks)...});
+      }
+    }
+    return -1;
   }
 
   /// Adds the factor of a function of any number of blocks of one kind. The function takes the
   /// blocks as one list x with x.size() and x[i].
   template <class Function, int R, class Kind>
   FactorId Add(Function function, const Noise<R>& noise, const std::vector<Block<Kind>>& blocks) {
-    using F = ListFunctionFactor<Function, R, Kind>;
-    std::vector<BlockId> ids;
-    for (const Block<Kind> b : blocks) ids.push_back(Id(b));
-    return AddFactor(std::make_shared<F>(std::move(function), noise, blocks.size()), ids);
+    using Check = core_internal::CheckListFunction<Function, Kind>;
+    core_internal::ExpectFit<Check::Fit(), Check::template Size<R>(), R>();
+    if constexpr (Check::template kGood<R>) {
+      using F = ListFunctionFactor<Function, R, Kind>;
+      std::vector<BlockId> ids;
+      for (const Block<Kind> b : blocks) ids.push_back(Id(b));
+      return AddFactor(std::make_shared<F>(std::move(function), noise, blocks.size()), ids);
+    }
+    return -1;
+  }
+
+  /// Explains, as a compiler error, that an argument after the first is neither noise nor block.
+  template <class F, class... Arguments>
+  requires(!(core_internal::NoiseOrBlock<Arguments> && ...)) FactorId
+      Add(const F&, const Arguments&...) {
+    static_assert((core_internal::NoiseOrBlock<Arguments> && ...),
+                  "dn: Network::Add takes a factor and its blocks, or a function, its noise and "
+                  "its blocks: noise is Noise<R>::Sigma(..) or Covariance(..), and a block is "
+                  "the handle that AddVector or Find<Kind> returns");
+    return -1;
   }
 
   /// Adds a factor whose blocks are known at run time. Throws InvalidInput if the number or kinds
@@ -318,6 +394,12 @@ class Network {
     double x[Kind::kSize];
     StoreValue<Kind>(value, x);
     SetRaw(Id(b), x);
+  }
+  template <class Kind, class Derived>
+  requires(BlockValue<Kind>::ColsAtCompileTime ==
+           1) void SetValue(Block<Kind> b, const Eigen::MatrixBase<Derived>& value) {
+    SetValue(b, core_internal::FixedSize<Kind::kSize, 1>(
+                    value, "network: value of block '" + block(Id(b)).name + "'"));
   }
   void SetRaw(BlockId id, const double* value);
 

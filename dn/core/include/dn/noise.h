@@ -2,6 +2,7 @@
 
 #include <dn/eigen_alignment.h>
 #include <dn/error.h>
+#include <dn/fixed_size.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -36,17 +37,29 @@ class Noise {
     }
     return Noise(Matrix(sigma.cwiseInverse().asDiagonal()));
   }
+  template <class Derived>
+  static Noise Sigma(const Eigen::MatrixBase<Derived>& sigma) {
+    return Sigma(core_internal::FixedSize<N, 1>(sigma, "vector of standard deviations"));
+  }
 
   /// Creates noise from a full covariance, which must be positive definite and symmetric to 1e-9 of
   /// the product of the two standard deviations.
   static Noise Covariance(const Matrix& covariance) {
     return Noise(Factored(covariance, "covariance").matrixL().solve(Matrix::Identity()));
   }
+  template <class Derived>
+  static Noise Covariance(const Eigen::MatrixBase<Derived>& covariance) {
+    return Covariance(core_internal::FixedSize<N, N>(covariance, "covariance"));
+  }
 
   /// Creates noise from a full information matrix, the inverse of the covariance, with the same
   /// conditions.
   static Noise Information(const Matrix& information) {
     return Noise(Matrix(Factored(information, "information matrix").matrixU()));
+  }
+  template <class Derived>
+  static Noise Information(const Eigen::MatrixBase<Derived>& information) {
+    return Information(core_internal::FixedSize<N, N>(information, "information matrix"));
   }
 
   /// Returns the square-root information matrix W.

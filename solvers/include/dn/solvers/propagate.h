@@ -40,24 +40,16 @@ namespace solvers_internal {
 
 template <class Jet, class Result>
 auto AsVector(const Result& result) {
-  if constexpr (std::is_same_v<Result, Jet>) {
-    return Eigen::Matrix<Jet, 1, 1>(result);
-  } else if constexpr (std::is_base_of_v<Eigen::EigenBase<Result>, Result>) {
-    static_assert(!core_internal::IsExpression<Result>(),
-                  "Propagate: the function returns an Eigen expression, which may refer to values "
-                  "that no longer exist: end it with .eval()");
-    static_assert(std::is_same_v<typename Result::Scalar, Jet>,
-                  "Propagate: the result of the function does not have the scalar type of its "
-                  "blocks, so it cannot be differentiated: do not convert it to double");
-    static_assert(Result::ColsAtCompileTime == 1 && Result::RowsAtCompileTime > 0,
-                  "Propagate: the function must return a number or a vector of fixed size");
-    return Eigen::Matrix<Jet, Result::RowsAtCompileTime, 1>(result);
-  } else {
-    static_assert(std::is_void_v<Jet>,
-                  "Propagate: the function must return a number or a vector of the scalar type of "
-                  "its blocks, so that it can be differentiated: do not convert it to double");
-    return Eigen::Matrix<Jet, 1, 1>();
-  }
+  return Eigen::Matrix<Jet, core_internal::ResultSize<Result>(), 1>(result);
+}
+
+/// Returns how a function fits Propagate, which takes no std::optional.
+template <class F, class... Kinds>
+constexpr core_internal::FunctionFit PropagatedFit() {
+  using Check = core_internal::CheckFunction<F, Kinds...>;
+  return core_internal::IsOptional<typename Check::Result>::value
+             ? core_internal::FunctionFit::kOtherShape
+             : Check::Fit();
 }
 
 /// Returns f of the blocks at x as a vector.
@@ -66,24 +58,11 @@ auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
   return AsVector<T>(f(MakeView<Kinds>(x[I])...));
 }
 
-}  // namespace solvers_internal
-
-/// Returns the value of f(blocks...) at the values of the marginals, and its covariance J C J^T
-/// with C = Joint.
-///
-///   const auto distance = Propagate(
-///       marginals, [](const auto& p, const auto& q) { return (p - q).norm(); }, p_mb, q_mb);
-///
-/// f takes the values of the blocks in the same form as functions given to Network::Add. Each is a
-/// number, a vector, a quaternion, a pose or a user's own view. The coefficients are of a scalar
-/// type for automatic differentiation. f returns a number or a vector of fixed size of that type;
-/// an Eigen expression must end with .eval(). f is differentiated once, at the current values.
 template <class F, class... Kinds>
-auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
+auto PropagateGood(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   constexpr auto kAll = std::index_sequence_for<Kinds...>{};
-  using Jet = ceres::Jet<double, (Kinds::kSize + ...)>;
-  using Result =
-      decltype(solvers_internal::Apply<Kinds...>(f, std::declval<const Jet* const*>(), kAll));
+  using Jet = BlockJet<Kinds::kSize...>;
+  using Result = decltype(Apply<Kinds...>(f, std::declval<const Jet* const*>(), kAll));
   constexpr int kSize = Result::RowsAtCompileTime;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const std::array x{marginals.linearized().StoredValue(marginals.linearized().Id(blocks))...};
@@ -93,7 +72,7 @@ auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   Propagated<kSize> propagated;
   Differentiate<kSize, Kinds::kSize...>(
       [&](const Jet* const* at, Jet* out) {
-        const Result result = solvers_internal::Apply<Kinds...>(f, at, kAll);
+        const Result result = Apply<Kinds...>(f, at, kAll);
         std::copy_n(result.data(), kSize, out);
         return true;
       },
@@ -110,6 +89,29 @@ auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   (lift(MakeBlockKind<Kinds>()), ...);
   propagated.covariance = J * Joint(marginals, blocks...) * J.transpose();
   return propagated;
+}
+
+}  // namespace solvers_internal
+
+/// Returns the value of f(blocks...) at the values of the marginals, and its covariance J C J^T
+/// with C = Joint.
+///
+///   const auto distance = Propagate(
+///       marginals, [](const auto& p, const auto& q) { return (p - q).norm(); }, p_mb, q_mb);
+///
+/// f takes the values of the blocks in the same form as functions given to Network::Add. Each is a
+/// number, a vector, a quaternion, a pose or a user's own view. The coefficients are of a scalar
+/// type for automatic differentiation. f returns a number or a vector of fixed size of that type;
+/// an Eigen expression must end with .eval(). f is differentiated once, at the current values.
+template <class F, class... Kinds>
+auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
+  constexpr auto kFit = solvers_internal::PropagatedFit<F, Kinds...>();
+  core_internal::ExpectFit<kFit, 0, 0>();
+  if constexpr (kFit == core_internal::FunctionFit::kGood) {
+    return solvers_internal::PropagateGood(marginals, f, blocks...);
+  } else {
+    return Propagated<1>{};
+  }
 }
 
 }  // namespace dn

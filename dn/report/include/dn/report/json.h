@@ -1,15 +1,13 @@
 #pragma once
 
 #include <dn/eigen_alignment.h>
+#include <dn/report/json_fwd.h>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 #include <string>
 
 namespace dn {
-
-/// JSON value whose objects keep the order in which their keys are written.
-using Json = nlohmann::ordered_json;
 
 /// Returns a vector as an array, and a matrix as an array of rows. Non-finite values become null,
 /// because JSON cannot represent them.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/report/json.h>
+#include <dn/report/json_fwd.h>
 
 #include <string>
 #include <utility>

@@ -93,16 +93,21 @@ class FlightNetwork {
   /// t_s is neglected relative to `noise`. Throws like StateAt.
   template <class Function, int R, class... Own>
   FactorId AddAt(double t_s, Function function, const Noise<R>& noise, Block<Own>... own) {
-    const StateBetween at = StateAt(t_s);
-    std::vector<BlockId> blocks = trajectory().NodeIds(at.node);
-    const std::vector<BlockId> biases = trajectory().BiasIds(at.node);
-    blocks.insert(blocks.end(), biases.begin(), biases.end());
-    (blocks.push_back(net().Id(own)), ...);
-    using F = StateFunctionFactor<Function, R, Own...>;
-    return net().AddFactor(
-        std::make_shared<F>(std::move(function), noise, at.state, at.increments,
-                            trajectory().gyro_bias().size(), trajectory().accel_bias().size()),
-        blocks);
+    using Check = CheckStateFunction<Function, Own...>;
+    core_internal::ExpectFit<Check::Fit(), Check::template Size<R>(), R>();
+    if constexpr (Check::template kGood<R>) {
+      const StateBetween at = StateAt(t_s);
+      std::vector<BlockId> blocks = trajectory().NodeIds(at.node);
+      const std::vector<BlockId> biases = trajectory().BiasIds(at.node);
+      blocks.insert(blocks.end(), biases.begin(), biases.end());
+      (blocks.push_back(net().Id(own)), ...);
+      using F = StateFunctionFactor<Function, R, Own...>;
+      return net().AddFactor(
+          std::make_shared<F>(std::move(function), noise, at.state, at.increments,
+                              trajectory().gyro_bias().size(), trajectory().accel_bias().size()),
+          blocks);
+    }
+    return -1;
   }
 
   /// The handles of the parts are valid for net() and for copies of it.

@@ -13,6 +13,12 @@
 
 namespace dn {
 
+/// Judges a function of the state between nodes and of further blocks.
+template <class Function, class... Own>
+using CheckStateFunction =
+    core_internal::FunctionCheck<DynamicJet, Function, KinematicState<DynamicJet>,
+                                 core_internal::BlockView<Own, DynamicJet>...>;
+
 /// Factor on a function of the state between nodes and of additional blocks, r = W f(state,
 /// own...), differentiated automatically. See FlightNetwork::AddAt.
 ///

@@ -1,0 +1,53 @@
+# The tests of dn_add_compile_errors: the compiler must reject every file of compile_errors/. Its first
+# error must have the text of the file's first line, "// says: ...", and its whole output is short.
+# Without their lines marked "// wrong" all files must compile, which shows that these lines are the
+# ones rejected. They compile as one file, to parse the headers once.
+file(GLOB cases ${CASES}/*.cc)
+set(longest_output 15)  # lines
+get_filename_component(compiler ${CXX_COMPILER} NAME)
+set(right ${CMAKE_CURRENT_BINARY_DIR}/compile_errors_${compiler}.cc)
+list(TRANSFORM INCLUDES PREPEND -I)
+
+function(compile source)
+  execute_process(
+    COMMAND ${CXX_COMPILER} -std=c++20 -fsyntax-only ${INCLUDES} -isystem ${EIGEN} ${source}
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  set(result ${result} PARENT_SCOPE)
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(expect_error name expected)
+  string(REGEX MATCH "error: [^\n]*" first_error "${output}")
+  string(FIND "${first_error}" "${expected}" at)
+  if(result EQUAL 0 OR at EQUAL -1)
+    message(SEND_ERROR "${name}: expected a first error that says: ${expected}\n${output}")
+  endif()
+  string(REGEX MATCHALL "\n" lines "${output}")
+  list(LENGTH lines length)
+  if(length GREATER longest_output)
+    message(SEND_ERROR "${name}: the output has ${length} lines:\n${output}")
+  endif()
+endfunction()
+
+foreach(case IN LISTS cases)
+  get_filename_component(name ${case} NAME_WE)
+  file(READ ${case} text)
+  string(REGEX MATCH "^// says: ([^\n]*)" first_line "${text}")
+  set(expected "${CMAKE_MATCH_1}")
+  compile(${case})
+  expect_error(${name} "${expected}")
+  string(REGEX MATCHALL "#include [^\n]*\n" headers "${text}")
+  string(APPEND all_headers ${headers})
+  string(REGEX REPLACE "[^\n]*// wrong\n" "" text "${text}")
+  string(APPEND all_right "namespace ${name} {\n#line 1 \"${case}\"\n${text}}\n")
+endforeach()
+# The headers are included outside the namespaces first, and are skipped inside them.
+file(WRITE ${right} "${all_headers}${all_right}")
+# Clang rejects a wrong class even if nothing uses it, so that only GCC compiles this file.
+if(compiler MATCHES clang)
+  return()
+endif()
+compile(${right})
+if(NOT result EQUAL 0)
+  message(SEND_ERROR "without their wrong lines the files do not compile:\n${output}")
+endif()

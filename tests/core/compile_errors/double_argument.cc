@@ -1,0 +1,9 @@
+// says: dn: the result of the function does not have the number type
+#include <dn/network.h>
+
+int main() {
+  dn::Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  net.Add([](const auto& x) { return x[0]; }, dn::Noise<1>::Sigma(1.0), p);
+  net.Add([](const Eigen::Vector3d& x) { return x[0]; }, dn::Noise<1>::Sigma(1.0), p);  // wrong
+}

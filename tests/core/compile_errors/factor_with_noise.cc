@@ -1,0 +1,17 @@
+// says: takes no noise
+#include <dn/network.h>
+
+struct First : dn::AutoFactor<First, 1, dn::Vec<3>> {
+  template <class T>
+  bool Residual(const T* x, T* r) const {
+    r[0] = x[0];
+    return true;
+  }
+};
+
+int main() {
+  dn::Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  net.Add(First{}, p);
+  net.Add(First{}, dn::Noise<1>::Sigma(1.0), p);  // wrong
+}
