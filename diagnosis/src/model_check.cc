@@ -316,8 +316,8 @@ class Checker {
     return clock;
   }
 
-  /// Returns the residuals as they would be if effects of this size were in the model; SI, one value
-  /// per component of the score.
+  /// Returns the residuals as they would be if effects of this size were in the model. `effects`
+  /// are in SI, one value per component of the score.
   Eigen::VectorXd ResidualWith(const Eigen::VectorXd& effects) const {
     if (effects.isZero(0.0)) return linearized_.residual();
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());

@@ -37,8 +37,8 @@ MatrixXd DenseColumns(const LinearizedNetwork& linearized, const Library& librar
 }
 
 /// Returns the shift of all unknowns of the network per unit of each unmodelled component.
-MatrixXd ShiftOfAll(const Marginals& marginals, const Library& library,
-                    const std::vector<Index>& components) {
+MatrixXd SolveShifts(const Marginals& marginals, const Library& library,
+                     const std::vector<Index>& components) {
   const LinearizedNetwork& linearized = marginals.linearized();
   MatrixXd shift(linearized.parameters(), static_cast<Index>(components.size()));
   for (Index k = 0; k < shift.cols(); k += kColumnsAtOnce) {
@@ -54,7 +54,7 @@ MatrixXd ShiftOfAll(const Marginals& marginals, const Library& library,
 
 std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginals& marginals,
                                     const Library& library, const UnmodelledUnknowns& unmodelled) {
-  const MatrixXd shift = ShiftOfAll(marginals, library, unmodelled.components());
+  const MatrixXd shift = SolveShifts(marginals, library, unmodelled.components());
   const Eigen::VectorXd estimate = unmodelled.estimate()(unmodelled.components());
   const MatrixXd root = unmodelled.PosteriorRoot();
   std::vector<NodeChange> changes;

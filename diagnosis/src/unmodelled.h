@@ -32,8 +32,8 @@ class UnmodelledUnknowns {
   /// Returns the posterior means, SI: one per component of the score, 0 for those without a prior.
   const Eigen::VectorXd& estimate() const { return estimate_; }
 
-  /// Returns the posterior means if other effects have the values `others`, SI, one per component of
-  /// the score.
+  /// Returns the posterior means if other effects have the values `others`, SI, one value per
+  /// component of the score.
   Eigen::VectorXd EstimateBeside(const Eigen::VectorXd& others) const;
 
   /// Returns the scores of all components in the model with these unknowns. That of a component
@@ -59,8 +59,8 @@ class UnmodelledUnknowns {
   Eigen::VectorXd estimate_;
 };
 
-/// Returns the largest component of an estimated effect in standard deviations of its prior; nullopt
-/// without a prior. Components below three of their own sigmas count only if all are.
+/// Returns the largest component of an estimated effect in standard deviations of its prior, or
+/// nullopt without a prior. Components below three of their own sigmas count only if all are.
 std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, const HypothesisEvidence& effect);
 
 }  // namespace dn::diagnosis_internal

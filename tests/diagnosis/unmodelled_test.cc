@@ -82,7 +82,7 @@ TEST(UnmodelledUnknowns, EqualUnknownsWithPriorsInTheAdjustment) {
   EXPECT_LT((pure + unknowns.AddedCovariance() - C).norm(), 1e-9 * C.norm());
 }
 
-// What an effect has beyond its prior is a second unknown with the same columns.
+// The part of an effect beyond its prior is a second unknown with the same columns.
 TEST(UnmodelledUnknowns, ConditionedScoresAreThoseOfASecondUnknownWithTheSameColumns) {
   const UnmodelledPrior prior(SensorClass::kTactical);
   const Toy toy(prior);

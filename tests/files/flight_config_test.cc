@@ -439,9 +439,9 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
 TEST(FlightConfig, UnmodelledEffectsHaveThePriorOfTheSensorAndWhatTheFileStates) {
   const FlightConfig of_class = Parse("imu: {grade: apx15}\nunmodelled: {}\n");
   EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(of_class).Sigma(EffectId::kGyroMisalignment)[0], 0.2e-3);
-  const FlightConfig stated =
-      Parse("imu: {grade: apx15}\nunmodelled: {gyro_misalignment: [0.1, 0.1, 0], "
-            "lidar_scan_cone: 0}\n");
+  const FlightConfig stated = Parse(
+      "imu: {grade: apx15}\nunmodelled: {gyro_misalignment: [0.1, 0.1, 0], "
+      "lidar_scan_cone: 0}\n");
   const UnmodelledPrior prior = MakeUnmodelledPrior(stated);
   EXPECT_DOUBLE_EQ(prior.Sigma(EffectId::kGyroMisalignment)[0], 0.1e-3);
   EXPECT_EQ(prior.Sigma(EffectId::kGyroMisalignment)[2], 0.0);

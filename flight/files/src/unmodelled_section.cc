@@ -7,7 +7,7 @@ namespace files_internal {
 namespace {
 
 /// Returns the effect of a key; fails unless it can act during the whole flight with fixed values.
-EffectId EffectOfKey(const YamlValue& value, const std::string& name) {
+EffectId FindEffectByKey(const YamlValue& value, const std::string& name) {
   const EffectSpec* effect = FindEffect(name);
   if (effect == nullptr) {
     value.Fail("unknown effect; did you mean '" +
@@ -32,7 +32,7 @@ UnmodelledConfig ReadUnmodelled(const YamlValue& section) {
   section.ExpectMap(EffectNames(EffectKind::kFixed));
   for (const std::string& name : section.Keys()) {
     const YamlValue value = section[name];
-    const EffectId effect = EffectOfKey(value, name);
+    const EffectId effect = FindEffectByKey(value, name);
     config.sizes.push_back({effect, ReadEffectSigma(value, EffectRow(effect), &ReadNotNegative)});
   }
   return config;

@@ -104,8 +104,8 @@ struct ModelCheck {
 /// A finding contradicts the model in these cases:
 ///   - an effect with a prior (UnmodelledPrior) is significant at the family-wise level 0.001 and
 ///     exceeds four standard deviations of its prior;
-///   - another effect or a common error is significant at the family-wise level 0.001, and shifts the
-///     boresight (without pairs: an attitude or a position) by more than its sigma;
+///   - another effect or a common error is significant at the family-wise level 0.001, and shifts
+///     the boresight (without pairs: an attitude or a position) by more than its sigma;
 ///   - an unmodelled discrepancy is significant at that level, or a stated prior is contradicted;
 ///   - a group has more than twice its variance after the found effects, or sigma0 exceeds 3;
 ///   - more than 30 % of the pairs or 10 % of the GNSS epochs were rejected;

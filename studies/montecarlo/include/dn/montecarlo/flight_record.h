@@ -53,9 +53,9 @@ struct FlightRecord {
 struct FlightRecordOptions {
   bool with_pairs = true;
   double epoch_spacing_s = 1.0;  ///< spacing of the recorded epochs, which are nodes; > 0
-  /// If set, each flight has every effect that the model leaves out, drawn from its prior times this
-  /// factor, and the reported values are recorded. Otherwise there are none, and those of the pure
-  /// model are recorded.
+  /// If set, each flight has every effect that the model leaves out, drawn from its prior times
+  /// this factor, and the reported values are recorded. Otherwise there are none, and those of the
+  /// pure model are recorded.
   std::optional<double> unmodelled = {};
   std::function<bool()> interrupted = {};
 };
