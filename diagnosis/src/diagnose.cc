@@ -25,6 +25,7 @@
 #include "simulated_replicates.h"
 #include "tie_breaker.h"
 #include "unavailable.h"
+#include "unmodelled.h"
 
 namespace dn {
 namespace {
@@ -76,6 +77,7 @@ class Diagnosis {
     }
     source_.ListPlaces(*selection_.base, before_, selection_.last(), &out_);
     FillCauses(selection_.base->effects, hypotheses_, NamedCauses(), &out_);
+    MarkTolerances();
     FillVerdict();
     MeasureShrinkage();
     MeasureHeldOut();
@@ -95,6 +97,18 @@ class Diagnosis {
   }
 
  private:
+  /// Compares the fixed causes with their priors.
+  void MarkTolerances() {
+    const UnmodelledPrior prior = MakeUnmodelledPrior(flight_.config);
+    for (GapCause& cause : out_.causes) {
+      const EffectSpec* spec = FindEffect(cause.effect);
+      if (spec == nullptr || !spec->fixed() || cause.estimate.size() == 0) continue;
+      const double to_si = spec->components.front().to_si;
+      cause.prior_sigmas =
+          InPriorSigmas(prior, spec->id, to_si * cause.estimate, to_si * cause.sigma);
+    }
+  }
+
   /// Computes the detection limits from the geometry at the solution.
   GapResult Limits(const ExtendedFit& base) {
     FillDetectionLimits(base, kDesignThresholdNats);

@@ -60,6 +60,8 @@ Json Cause(const GapCause& cause) {
   json["absorbed_fraction"] = Number(cause.absorbed_fraction);
   json["boresight_damage_mdeg"] = List(Vector3d(kMdegPerRad * cause.boresight_rad));
   json["inseparable_from"] = cause.inseparable_from;
+  json["prior_sigmas"] = Number(cause.prior_sigmas);
+  json["within_prior"] = cause.prior_sigmas ? Json(cause.within_prior()) : Json(nullptr);
   json["held_out_gain_nats"] = Number(cause.held_out_gain_nats);
   json["shrinkage"] = Number(cause.shrinkage);
   return json;

@@ -243,7 +243,9 @@ class Checker {
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
     for (std::size_t k = 0; k < check_.effects.size(); ++k) {
-      check_.effects[k].prior_sigmas = InPriorSigmas(prior_, selection_.chosen[k]);
+      check_.effects[k].prior_sigmas =
+          InPriorSigmas(prior_, *selection_.chosen[k].id, selection_.chosen[k].estimate,
+                        selection_.chosen[k].sigma);
     }
     check_.undetectable = FindUndetectable(library_, score, family_, prior_);
   }

@@ -18,8 +18,6 @@ namespace {
 
 // The covariance of the boresight does not cover an error above this many of its sigmas.
 constexpr double kMaxShiftInSigmas = 1.0;
-// An effect beyond this many standard deviations of its prior is a fault, not a tolerance.
-constexpr double kFaultPriorSigmas = 4.0;
 constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
@@ -43,8 +41,8 @@ void JudgeEffects(bool told, ModelCheck* check) {
     const bool of_clock = IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
                           IsEffect(effect.name, EffectId::kGnssTimeDrift);
     if (told && of_clock) continue;
-    const bool fault = effect.prior_sigmas ? *effect.prior_sigmas > kFaultPriorSigmas
-                                           : effect.max_shift_sigmas > kMaxShiftInSigmas;
+    const bool fault =
+        effect.prior_sigmas ? !effect.within_prior() : effect.max_shift_sigmas > kMaxShiftInSigmas;
     Add(facts::EffectPresent{effect, check->of_boresight}, fault, effect.log_evidence, check);
   }
 }

@@ -7,8 +7,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace dn::diagnosis_internal {
@@ -16,10 +18,40 @@ namespace {
 
 constexpr int kBatch = 16;
 
-/// Returns the share of values that are at least x, counting x itself.
+double CountAtLeast(const std::vector<double>& values, double x) {
+  return static_cast<double>(
+      std::count_if(values.begin(), values.end(), [&](double v) { return v >= x; }));
+}
+
+/// Returns the share of values that are at least x, counting x itself as one more value.
 double Rank(const std::vector<double>& values, double x) {
-  const auto above = std::count_if(values.begin(), values.end(), [&](double v) { return v >= x; });
-  return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(values.size()));
+  return (1.0 + CountAtLeast(values, x)) / (1.0 + static_cast<double>(values.size()));
+}
+
+struct Moments {
+  double mean = 0.0, variance = 0.0;
+
+  explicit Moments(const std::vector<double>& values) {
+    const auto n = static_cast<double>(values.size());
+    for (const double v : values) mean += v / n;
+    for (const double v : values) variance += (v - mean) * (v - mean) / (n - 1.0);
+    variance = std::max(variance, 1e-300);
+  }
+};
+
+/// Returns the probability beyond x of the scaled chi-square with the moments of positive values.
+double ChiSquareBeyond(const std::vector<double>& values, double x) {
+  const Moments of(values);
+  return ChiSquareTail(2.0 * of.mean * x / of.variance, 2.0 * of.mean * of.mean / of.variance);
+}
+
+/// Returns the probability beyond x of Gumbel's distribution of maxima with the moments of values.
+double GumbelBeyond(const std::vector<double>& values, double x) {
+  constexpr double kEulerGamma = 0.57721566490153286;
+  const Moments of(values);
+  const double scale = std::sqrt(6.0 * of.variance) / std::numbers::pi;
+  const double mode = of.mean - kEulerGamma * scale;
+  return -std::expm1(-std::exp(-(x - mode) / scale));
 }
 
 /// The three statistics that compare a flight with its replicates.
@@ -80,9 +112,8 @@ class Ranking {
       library_.push_back(Statistics::Library(replicates.all[k]));
     }
     for (std::size_t k = 0; k < omnibus_.size(); ++k) {
-      const Ranks of_replicate{Rank(omnibus_, omnibus_[k]), Rank(largest_, largest_[k]),
-                               Rank(library_, library_[k])};
-      smallest_.push_back(of_replicate.smallest());
+      at_least_.push_back({CountAtLeast(omnibus_, omnibus_[k]), CountAtLeast(largest_, largest_[k]),
+                           CountAtLeast(library_, library_[k])});
     }
   }
 
@@ -96,19 +127,36 @@ class Ranking {
             Rank(library_, Statistics::Library(flight))};
   }
 
-  /// Returns the p-value of the smallest of the three ranks, from its distribution over the
-  /// replicates.
+  /// Returns the p-value of the smallest of the three ranks among the flight and the replicates.
+  /// All n + 1 are alike under the model, so each of them is ranked among all.
   double P(const ResidualSummary& flight) const {
     const double smallest = RankFlight(flight).smallest();
-    const auto at_most =
-        std::count_if(smallest_.begin(), smallest_.end(),
-                      [&](double of_replicate) { return of_replicate <= smallest; });
-    return (1.0 + static_cast<double>(at_most)) / (1.0 + static_cast<double>(smallest_.size()));
+    const double omnibus = statistics_.Omnibus(flight), largest = statistics_.Largest(flight),
+                 library = Statistics::Library(flight);
+    const double n = static_cast<double>(omnibus_.size());
+    double at_most = 1.0;
+    for (std::size_t k = 0; k < omnibus_.size(); ++k) {
+      const double first = std::min({at_least_[k][0] + (omnibus >= omnibus_[k] ? 1.0 : 0.0),
+                                     at_least_[k][1] + (largest >= largest_[k] ? 1.0 : 0.0),
+                                     at_least_[k][2] + (library >= library_[k] ? 1.0 : 0.0)});
+      if (first / (1.0 + n) <= smallest) at_most += 1.0;
+    }
+    return at_most / (1.0 + n);
+  }
+
+  /// Returns a p-value for a flight beyond all replicates, by distributions fitted to them: a scaled
+  /// chi-square for the omnibus, Gumbel's for the two maxima, corrected for three tests.
+  double BeyondReplicates(const ResidualSummary& flight) const {
+    return std::min(1.0, 3.0 * std::min({ChiSquareBeyond(omnibus_, statistics_.Omnibus(flight)),
+                                         GumbelBeyond(largest_, statistics_.Largest(flight)),
+                                         GumbelBeyond(library_, Statistics::Library(flight))}));
   }
 
  private:
   Statistics statistics_;
-  std::vector<double> omnibus_, largest_, library_, smallest_;
+  std::vector<double> omnibus_, largest_, library_;
+  // Number of replicates with at least the value of each replicate; omnibus, largest, library.
+  std::vector<std::array<double, 3>> at_least_;
 };
 
 /// Returns step-down adjusted p-values (Westfall and Young). The largest |z| is compared with the
@@ -197,6 +245,9 @@ ReplicateTest CompareWithReplicates(const ResidualSummary& flight, const Replica
   test.p_largest = ranks.largest;
   test.p_library = ranks.library;
   test.p_value = ranking.P(flight);
+  const bool beyond_all =
+      ranks.smallest() * (1.0 + static_cast<double>(ranking.omnibus().size())) < 1.5;
+  if (beyond_all) test.p_value = std::min(test.p_value, ranking.BeyondReplicates(flight));
   std::vector<Eigen::VectorXd> z_of_replicates;
   for (std::size_t k = replicates.all.size() / 2; k < replicates.all.size(); ++k) {
     z_of_replicates.push_back(statistics.Z(replicates.all[k]));

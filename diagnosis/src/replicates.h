@@ -50,7 +50,8 @@ ReplicateSet MakeReplicates(const Marginals& marginals, const Screen& screen,
 /// Comparison of a flight with its replicates. The first half of them standardises and the second
 /// half ranks, so that p is exact under the model.
 struct ReplicateTest {
-  double p_value = 1.0;       ///< of the smallest of the three ranks
+  /// p-value of the smallest of the three ranks; by fitted distributions beyond all replicates
+  double p_value = 1.0;
   double p_omnibus = 1.0;     ///< of z^T C^-1 z
   double p_largest = 1.0;     ///< of max |z|
   double p_library = 1.0;     ///< of the largest log evidence

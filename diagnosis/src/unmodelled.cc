@@ -129,18 +129,18 @@ std::vector<EffectContribution> UnmodelledUnknowns::Contributions(
   return sorted;
 }
 
-std::optional<double> InPriorSigmas(const UnmodelledPrior& prior,
-                                    const HypothesisEvidence& effect) {
+std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, EffectId effect,
+                                    const VectorXd& estimate_si, const VectorXd& sigma_si) {
   constexpr double kShown = 3.0;
-  if (!effect.id || !EffectRow(*effect.id).fixed()) return std::nullopt;
-  const VectorXd sigma_si = prior.Sigma(*effect.id);
-  if (sigma_si.isZero(0.0)) return std::nullopt;
+  if (!EffectRow(effect).fixed()) return std::nullopt;
+  const VectorXd prior_si = prior.Sigma(effect);
+  if (prior_si.isZero(0.0)) return std::nullopt;
   double shown = 0.0, all = 0.0;
-  for (Index k = 0; k < sigma_si.size(); ++k) {
-    const double value = std::abs(effect.estimate[k]);
-    const double in_sigmas = value / sigma_si[k];  // infinite for a component ruled out
+  for (Index k = 0; k < prior_si.size(); ++k) {
+    const double value = std::abs(estimate_si[k]);
+    const double in_sigmas = value / prior_si[k];  // infinite for a component ruled out
     all = std::max(all, in_sigmas);
-    if (value > kShown * effect.sigma[k]) shown = std::max(shown, in_sigmas);
+    if (value > kShown * sigma_si[k]) shown = std::max(shown, in_sigmas);
   }
   return shown > 0.0 ? shown : all;
 }

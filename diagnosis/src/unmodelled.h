@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "hypothesis.h"
-#include "hypothesis_evidence.h"
 
 namespace dn::diagnosis_internal {
 
@@ -59,8 +58,11 @@ class UnmodelledUnknowns {
   Eigen::VectorXd estimate_;
 };
 
-/// Returns the largest component of an estimated effect in standard deviations of its prior, or
-/// nullopt without a prior. Components below three of their own sigmas count only if all are.
-std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, const HypothesisEvidence& effect);
+/// Returns the largest component of an effect in standard deviations of its prior, or nullopt
+/// without a prior; estimate and its sigma in SI. Components below three of their own sigmas count
+/// only if all are.
+std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, EffectId effect,
+                                    const Eigen::VectorXd& estimate_si,
+                                    const Eigen::VectorXd& sigma_si);
 
 }  // namespace dn::diagnosis_internal

@@ -83,6 +83,17 @@ std::string NamedEffects(const GapDiagnosis& d) {
   return text + ImplausibleWords(d);
 }
 
+/// Returns what follows for the reported boresight if all named effects are tolerances; "" if one
+/// is a fault or random.
+std::string ToleranceWords(const GapDiagnosis& d) {
+  const std::vector<GapCause> causes = VerdictCauses(d);
+  const bool all = !causes.empty() && std::all_of(causes.begin(), causes.end(),
+                                                  [](const auto& c) { return c.within_prior(); });
+  if (!all) return "";
+  return "; this is within the tolerance of the sensors, which the results of dn calibrate contain "
+         "in angles and sigmas, so that the boresight is reliable";
+}
+
 /// Returns the other effects that could explain the data.
 std::vector<std::string> OtherNames(const GapDiagnosis& d) {
   const std::vector<std::string>& effects = d.verdict.effects;
@@ -179,7 +190,7 @@ std::string Unavailable(const GapDiagnosis& d) {
 std::string KindText(const GapDiagnosis& diagnosis) {
   switch (diagnosis.verdict.kind) {
     case GapVerdictKind::kIdentified:
-      return NamedEffects(diagnosis);
+      return NamedEffects(diagnosis) + ToleranceWords(diagnosis);
     case GapVerdictKind::kGroup:
       return Group(diagnosis);
     case GapVerdictKind::kPartial:

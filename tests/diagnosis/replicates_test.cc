@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 
 #include "network_fit.h"
 #include "network_source.h"
@@ -65,6 +67,37 @@ TEST(CompareWithReplicates, IsRightOverManySetsOfReplicates) {
   }
   const Interval usual = BinomialInterval(0.9999, kFlights, 0.1);
   EXPECT_TRUE(usual.Contains(static_cast<double>(small) / kFlights)) << small;
+}
+
+// A flight without a gap is one of n + 1 alike, so that small p-values are as rare as they say.
+TEST(CompareWithReplicates, ManyRunsHaveTheStatedLevel) {
+  constexpr long kFlights = 1500;
+  constexpr std::array<double, 3> kLevels{0.01, 0.05, 0.2};
+  std::array<long, 3> small{};
+  for (long k = 0; k < kFlights; ++k) {
+    Random random(static_cast<std::uint64_t>(k), "flight and replicates");
+    const ReplicateSet replicates = DrawReplicates(&random);
+    const double p = CompareWithReplicates(Drawn(&random), replicates).p_value;
+    for (std::size_t at = 0; at < kLevels.size(); ++at) small[at] += p <= kLevels[at] ? 1 : 0;
+  }
+  for (std::size_t at = 0; at < kLevels.size(); ++at) {
+    const Interval usual = BinomialInterval(0.999, kFlights, kLevels[at]);
+    EXPECT_TRUE(usual.Contains(static_cast<double>(small[at]) / kFlights))
+        << kLevels[at] << ": " << small[at];
+  }
+}
+
+TEST(CompareWithReplicates, PValuesGoOnBeyondTheLastReplicate) {
+  Random random(3, "a flight with a gap");
+  const ReplicateSet replicates = DrawReplicates(&random);
+  ResidualSummary flight = Drawn(&random);
+  double before = 1.0 / 101.0;
+  for (const double departure : {40.0, 80.0, 160.0}) {
+    flight.locations[4] = departure;
+    const double p = CompareWithReplicates(flight, replicates).p_value;
+    EXPECT_LT(p, 0.01 * before) << departure;
+    before = p;
+  }
 }
 
 TEST(CompareWithReplicates, FindsThePlaceThatDeparts) {

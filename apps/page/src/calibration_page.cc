@@ -75,6 +75,30 @@ Table Covariance(const Facts& matrix) {
   return table;
 }
 
+/// Returns the effects outside of the model with the largest parts in the sigmas.
+Table Contributions(const Facts& boresight) {
+  constexpr std::size_t kMost = 8;
+  Table table{
+      "What the sensors leave unsaid: its part in the sigmas",
+      {"effect", "roll [mdeg]", "pitch", "yaw", "smaller by"},
+      {},
+      "These effects, within the tolerance of data sheets, are unknowns with priors. The part "
+      "of a sigma is what exact knowledge of the effect would save. Without all of them the "
+      "sigmas are those of the pure model."};
+  for (const Facts& part : boresight["contributions"].elements()) {
+    if (table.rows.size() == kMost) break;
+    std::vector<Cell> cells = Three(part["sigma_deg"], 2, 1e3);
+    cells.push_back(Text(part["remedy"].text()));
+    table.rows.push_back(Row(part["effect"].text(), std::move(cells)));
+  }
+  if (!table.rows.empty()) {
+    std::vector<Cell> pure = Three(boresight["as_modelled"]["sigma_deg"], 2, 1e3);
+    pure.push_back(Text(""));
+    table.rows.push_back(Row("pure model", std::move(pure)));
+  }
+  return table;
+}
+
 Table Estimates(const Facts& estimates) {
   Table table{"Other estimates: corrections to the assumed values",
               {"unknown", "component", "correction", "sigma", "unit"},
@@ -95,8 +119,8 @@ Section BoresightSection(const Facts& result) {
   section.contents.emplace_back(
       Chart{Correlations("Correlation of the angles [%]", AxisNames(kRollPitchYaw),
                          AxisNames(kRollPitchYaw), boresight["correlation"])});
-  for (Table table : {OtherAngles(boresight), Covariance(boresight["covariance_deg2"]),
-                      Estimates(result["estimates"])}) {
+  for (Table table : {Contributions(boresight), OtherAngles(boresight),
+                      Covariance(boresight["covariance_deg2"]), Estimates(result["estimates"])}) {
     if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
   }
   return section;

@@ -48,6 +48,13 @@ struct EffectEvidence {
   Eigen::VectorXd estimate = {};
   Eigen::VectorXd sigma = {};                               ///< NaN: undetermined
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< shift of the boresight
+  /// Largest estimate of a component in standard deviations of its prior; absent without a prior
+  /// (UnmodelledPrior).
+  std::optional<double> prior_sigmas = {};
+
+  /// An effect beyond this many standard deviations of its prior is a fault, not a tolerance.
+  static constexpr double kFaultPriorSigmas = 4.0;
+  bool within_prior() const { return prior_sigmas && *prior_sigmas <= kFaultPriorSigmas; }
 };
 
 /// An effect that is significant in the data and not estimated by the network. Score test, first
@@ -57,9 +64,6 @@ struct EffectCheck : EffectEvidence {
   std::string unit;  ///< unit of the estimate
   std::string remedy;
   double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
-  /// Largest estimate of a component in standard deviations of its prior; absent without a prior
-  /// (UnmodelledPrior).
-  std::optional<double> prior_sigmas;
   std::vector<std::string> inseparable_from;
 };
 
