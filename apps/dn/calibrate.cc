@@ -80,25 +80,6 @@ void PrintUndetectable(const std::vector<UndetectableEffect>& undetectable) {
   }
 }
 
-/// Prints the effects outside of the model that most of the sigmas are due to.
-void PrintContributions(const BoresightResult& boresight) {
-  constexpr std::size_t kMaxPrinted = 3;
-  constexpr double kLeastShare = 0.1;  // of a sigma
-  if (!boresight.as_modelled) return;
-  const Eigen::Vector3d pure_deg = boresight.as_modelled->sigma_rad() * kDegPerRad;
-  fmt::print(
-      "sigma of the pure model, without what sensors leave unsaid [deg]: {:.6f} {:.6f} {:.6f}\n",
-      pure_deg.x(), pure_deg.y(), pure_deg.z());
-  const std::vector<EffectContribution>& parts = boresight.contributions;
-  for (std::size_t k = 0; k < std::min(kMaxPrinted, parts.size()); ++k) {
-    const Eigen::Vector3d share = parts[k].angle_sigma_rad.cwiseQuotient(boresight.sigma_rad());
-    if (share.maxCoeff() < kLeastShare) break;
-    const Eigen::Vector3d mdeg = parts[k].angle_sigma_rad * kDegPerRad * 1e3;
-    fmt::print("  {:<22} {:>6.1f} {:>6.1f} {:>6.1f} mdeg; smaller by {}\n", parts[k].effect,
-               mdeg.x(), mdeg.y(), mdeg.z(), parts[k].remedy);
-  }
-}
-
 void PrintTimes(const RunTimings& timings) {
   fmt::print("time: reading {:.2f} s, solving {:.2f} s, covariances {:.2f} s\n", timings.read_s,
              timings.solve_s, timings.covariance_s);
@@ -142,7 +123,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintClocks(flight_run.solution->model_check().clocks);
   PrintAssessment(boresight);
-  PrintContributions(boresight);
+  fmt::print("{}", ContributionsSummary(boresight));
   PrintUndetectable(flight_run.solution->model_check().undetectable);
   PrintTimes(flight_run.timings);
 }
@@ -188,7 +169,7 @@ void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& cali
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              calibration.adjustment.residual_initial_m, calibration.adjustment.residual_final_m);
   PrintAssessment(boresight);
-  PrintContributions(boresight);
+  fmt::print("{}", ContributionsSummary(boresight));
   PrintTimes(timings);
 }
 

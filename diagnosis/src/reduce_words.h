@@ -7,7 +7,7 @@
 namespace dn::diagnosis_internal {
 
 /// Returns what would reduce the uncertainty that an effect outside of the model leaves: a
-/// measurement, a document, or a line to fly.
+/// measurement or a document, whose figure belongs under `unmodelled`, or a line to fly.
 std::string ReduceWords(EffectId effect);
 
 }  // namespace dn::diagnosis_internal

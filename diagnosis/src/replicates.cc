@@ -144,12 +144,14 @@ class Ranking {
     return at_most / (1.0 + n);
   }
 
-  /// Returns a p-value for a flight beyond all replicates, by distributions fitted to them: a scaled
+  /// Returns a p-value for a flight beyond all replicates, by distributions fitted to them: scaled
   /// chi-square for the omnibus, Gumbel's for the two maxima, corrected for three tests.
   double BeyondReplicates(const ResidualSummary& flight) const {
-    return std::min(1.0, 3.0 * std::min({ChiSquareBeyond(omnibus_, statistics_.Omnibus(flight)),
-                                         GumbelBeyond(largest_, statistics_.Largest(flight)),
-                                         GumbelBeyond(library_, Statistics::Library(flight))}));
+    constexpr double kLeast = 1e-300;
+    return std::clamp(3.0 * std::min({ChiSquareBeyond(omnibus_, statistics_.Omnibus(flight)),
+                                      GumbelBeyond(largest_, statistics_.Largest(flight)),
+                                      GumbelBeyond(library_, Statistics::Library(flight))}),
+                      kLeast, 1.0);
   }
 
  private:

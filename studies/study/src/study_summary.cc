@@ -1,4 +1,5 @@
 #include <dn/axis_names.h>
+#include <dn/diagnosis/result_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/report/wrapped.h>
 #include <dn/study/study_output.h>
@@ -65,7 +66,7 @@ std::string StudySummary(const StudyResult& study) {
       text += "  " + WrapText(reason, "    ");
     }
   }
-  text += BoresightLines(study.boresight);
+  text += BoresightLines(study.boresight) + ContributionsSummary(study.boresight);
   text += UnknownLines(study.unknowns);
   text += fmt::format(
       "trajectory on the strips, sigma: roll and pitch {:.5f} deg, yaw {:.5f} deg, position {:.4f} "
