@@ -128,9 +128,10 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
   GaussHelmertEffects out;
   if (!unmodelled.empty()) {
     UnmodelledEffects& effects = out.unmodelled.emplace();
-    effects.boresight_rad = unmodelled.Correction();
-    effects.covariance_rad2 = unmodelled.AddedCovariance();
-    effects.contributions = unmodelled.Contributions({0});
+    // The adjustment takes the trajectory as given, so its residuals are not those of the estimates:
+    // the angles stay, and the covariance has the whole prior.
+    effects.covariance_rad2 = unmodelled.PriorCovariance();
+    effects.contributions = unmodelled.Contributions({0}, false);
     family.watched_sigma =
         (family.watched_sigma.cwiseAbs2() + effects.covariance_rad2.diagonal()).cwiseSqrt();
   }

@@ -279,6 +279,14 @@ class Checker {
     add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
     add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
     check_.gnss_clock_shift = family_.InSigmas(move);
+    const auto within = [&](EffectId effect, double value, double sigma) {
+      const double prior = prior_.Sigma(effect)[0];
+      return prior > 0.0 &&
+             std::abs(value) <= EffectEvidence::kFaultPriorSigmas * std::hypot(prior, sigma);
+    };
+    check_.gnss_clock_within_prior =
+        within(EffectId::kGnssTimeOffset, gnss_clock_->offset_s, gnss_clock_->sigma_offset_s) &&
+        within(EffectId::kGnssTimeDrift, gnss_clock_->drift, gnss_clock_->sigma_drift);
   }
 
   /// Returns the components of an effect in the score; empty if it is an unknown of the network.

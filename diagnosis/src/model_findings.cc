@@ -32,7 +32,8 @@ void Add(Fact fact, bool contradicts, double evidence, ModelCheck* check) {
 void JudgeGnssClock(const std::optional<ClockEstimate>& clock, ModelCheck* check) {
   if (!clock) return;
   Add(facts::GnssTimeOff{*clock, check->gnss_clock_shift, check->of_boresight},
-      check->gnss_clock_shift > kMaxShiftInSigmas, kConclusive, check);
+      check->gnss_clock_shift > kMaxShiftInSigmas && !check->gnss_clock_within_prior, kConclusive,
+      check);
 }
 
 /// `told`: a finding already reports the GNSS clock.
@@ -170,6 +171,20 @@ void JudgeFixedTrajectory(const Flight& flight, const BoresightResult& boresight
   JudgeSigma0(sigma0, check);
 }
 
+/// Adds the warnings of the INS/GNSS stage, which knows the pure model only. A lever arm that seems
+/// to be off there does not contradict if no GNSS effect is left beyond its prior.
+void AddWarnings(const std::vector<Finding>& warnings, ModelCheck* check) {
+  const bool left = std::any_of(check->effects.begin(), check->effects.end(), [](const auto& one) {
+    return FindEffect(one.name)->sensor == EffectSensor::kGnss;
+  });
+  for (Finding warning : warnings) {
+    if (check->unmodelled && !left && warning.As<facts::GnssLeverArmOff>() != nullptr) {
+      warning.contradicts = false;
+    }
+    check->findings.push_back(std::move(warning));
+  }
+}
+
 }  // namespace
 
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
@@ -193,8 +208,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   JudgeGnssLeftOut(static_cast<long>(adjustment.gnss_rejected.size()),
                    static_cast<long>(network.gnss().edges().size()), check);
   JudgeGroups(check);
-  check->findings.insert(check->findings.end(), adjustment.warnings.begin(),
-                         adjustment.warnings.end());
+  AddWarnings(adjustment.warnings, check);
   Sort(check);
 }
 
@@ -227,6 +241,14 @@ bool Holds(const ModelCheck& check) {
                      [](const Finding& finding) { return finding.As<T>() != nullptr; });
 }
 
+/// Returns whether all reasons are lever arms that the check found within their prior.
+bool OnlyTolerated(const BoresightResult& boresight, const ModelCheck& check) {
+  return !check.contradicted() &&
+         std::all_of(boresight.reasons.begin(), boresight.reasons.end(), [](const Finding& reason) {
+           return reason.As<facts::GnssLeverArmOff>() != nullptr;
+         });
+}
+
 }  // namespace
 
 void AddUnmodelled(const UnmodelledEffects& effects, BoresightResult* boresight) {
@@ -243,6 +265,10 @@ void AddUnmodelled(const UnmodelledEffects& effects, BoresightResult* boresight)
 
 void Assess(const ModelCheck& check, BoresightResult* boresight) {
   if (check.unmodelled) AddUnmodelled(*check.unmodelled, boresight);
+  if (boresight->verdict == Verdict::kAbsorbed && check.unmodelled &&
+      OnlyTolerated(*boresight, check)) {
+    boresight->verdict = Verdict::kCalibrated;
+  }
   if (Holds<facts::VectorsAssumed>(check) && boresight->verdict == Verdict::kCalibrated) {
     boresight->verdict = Verdict::kAbsorbed;
   }

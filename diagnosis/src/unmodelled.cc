@@ -54,6 +54,11 @@ MatrixXd UnmodelledUnknowns::AddedCovariance() const {
   return gain * gain.transpose();
 }
 
+MatrixXd UnmodelledUnknowns::PriorCovariance() const {
+  const MatrixXd gain = score_.shift(Eigen::all, components_) * sigma_.asDiagonal();
+  return gain * gain.transpose();
+}
+
 VectorXd UnmodelledUnknowns::EstimateBeside(const VectorXd& others) const {
   VectorXd estimate = estimate_;
   estimate(components_) -= sigma_.cwiseProduct(
@@ -85,8 +90,9 @@ JointScore UnmodelledUnknowns::Conditioned() const {
 }
 
 std::vector<EffectContribution> UnmodelledUnknowns::Contributions(
-    const std::vector<Index>& angle_rows) const {
-  const MatrixXd P = sigma_.asDiagonal() * inverse_ * sigma_.asDiagonal();
+    const std::vector<Index>& angle_rows, bool corrected) const {
+  const MatrixXd posterior = sigma_.asDiagonal() * inverse_ * sigma_.asDiagonal();
+  const MatrixXd P = corrected ? posterior : MatrixXd(sigma_.cwiseAbs2().asDiagonal());
   std::vector<std::pair<double, EffectContribution>> all;
   Index first = 0;
   for (const Hypothesis& hypothesis : library_.hypotheses) {
@@ -107,7 +113,7 @@ std::vector<EffectContribution> UnmodelledUnknowns::Contributions(
     part.sigma = part.prior = VectorXd::Zero(n);
     for (const Index k : own) {
       const Index at = components_[static_cast<std::size_t>(k)] - components.front();
-      part.sigma[at] = hypothesis.per_si * std::sqrt(P(k, k));
+      part.sigma[at] = hypothesis.per_si * std::sqrt(posterior(k, k));
       part.prior[at] = hypothesis.per_si * sigma_[k];
     }
     const Eigen::LLT<MatrixXd> inverse(P(own, own));

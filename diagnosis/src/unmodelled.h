@@ -44,9 +44,15 @@ class UnmodelledUnknowns {
   /// Returns the covariance that these unknowns add to the rows of JointScore::shift.
   Eigen::MatrixXd AddedCovariance() const;
 
+  /// Returns the covariance that these unknowns add to the rows of JointScore::shift if the watched
+  /// unknowns are not corrected for them: S D S^T.
+  Eigen::MatrixXd PriorCovariance() const;
+
   /// Returns the contributions to angles, the largest first. Each element of `angle_rows` is the
-  /// first of three rows of JointScore::shift; the mean of their variances counts.
-  std::vector<EffectContribution> Contributions(const std::vector<Eigen::Index>& angle_rows) const;
+  /// first of three rows of JointScore::shift; the mean of their variances counts. `corrected` tells
+  /// whether these are corrected for the effects.
+  std::vector<EffectContribution> Contributions(const std::vector<Eigen::Index>& angle_rows,
+                                                bool corrected = true) const;
 
  private:
   const Library& library_;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <map>
 
+#include "damaged_flight.h"
 #include "load_json.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -174,7 +175,9 @@ TEST(CliSmooth, ForwardAndReverseFilterAgreeWithinTheirNoise) {
 }
 
 TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
-  const Json residuals = LoadJson(SmoothResult() / "report.json")["residuals"];
+  const DamagedFlight flight;
+  ASSERT_EQ(flight.Run("smooth", {"--unmodelled", "none"}).exit_code, 0);
+  const Json residuals = LoadJson(flight.out() / "report.json")["residuals"];
   std::map<std::string, Json> by_name;
   for (const auto& [sensor, axes] : residuals.items()) {
     for (const auto& [axis, one] : axes.items()) {
@@ -184,7 +187,7 @@ TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
     }
   }
   int compared = 0;
-  const Json check = LoadJson(SmoothResult() / "smooth.json")["model_check"];
+  const Json check = LoadJson(flight.out() / "smooth.json")["model_check"];
   for (const Json& group : check["groups"]) {
     const auto one = by_name.find(group["name"]);
     if (one == by_name.end()) continue;
@@ -221,16 +224,18 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   EXPECT_TRUE(result["assessment"]["reasons"].is_array());
   EXPECT_THAT(JsonKeys(result["model_check"]),
               IsSupersetOf({"groups", "effects", "p_value", "findings", "unseen"}));
-  ASSERT_FALSE(result["model_check"]["unseen"].empty());
-  for (const Json& unseen : result["model_check"]["unseen"]) {
-    EXPECT_THAT(JsonKeys(unseen),
-                UnorderedElementsAre("effect", "component", "usual", "minimal_detectable", "unit",
-                                     "boresight_damage_mdeg", "damage_sigmas"));
-    EXPECT_GT(unseen["damage_sigmas"], 1.0);
-    ExpectNumbers(unseen["boresight_damage_mdeg"], 3);
+  for (const char* key : {"angles_deg", "sigma_deg"})
+    ExpectNumbers(boresight["as_modelled"][key], 3);
+  ExpectMatrix3(boresight["as_modelled"]["covariance_deg2"]);
+  ExpectMatrix3(boresight["as_modelled"]["correlation"]);
+  ASSERT_FALSE(boresight["contributions"].empty());
+  for (const Json& part : boresight["contributions"]) {
+    EXPECT_THAT(JsonKeys(part), UnorderedElementsAre("effect", "unit", "estimate", "sigma", "prior",
+                                                     "sigma_deg", "remedy"));
+    ExpectNumbers(part["sigma_deg"], 3);
   }
   EXPECT_THAT(FileContent(CalibrateResult() / "report.html"),
-              HasSubstr("Undetectable effects of typical size"));
+              HasSubstr("What the sensors leave unsaid"));
   for (const Json& departure : result["model_check"]["departures"]) {
     EXPECT_THAT(JsonKeys(departure),
                 UnorderedElementsAre("name", "statistic", "dof", "p_value", "boresight_damage_mdeg",

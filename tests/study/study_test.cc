@@ -59,7 +59,7 @@ constexpr double kSameSigma = 0.01;
 
 TEST(Study, SigmasAreThoseOfTheAdjustedFlight) {
   const Adjusted& adjusted = AdjustedFlight();
-  const Eigen::Vector3d sigma = adjusted.solution.Boresight().sigma_rad();
+  const Eigen::Vector3d sigma = adjusted.solution.PredictedBoresight().sigma_rad();
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(adjusted.study.boresight.sigma_rad()[i] / sigma[i], 1.0, kSameSigma) << i;
   }

@@ -71,7 +71,7 @@ int main() {
       }
     }
   }
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary report = dn::Solve(net);
   bool good = report.converged && Between("sigma0", report.adjusted.sigma0(), 0.85, 1.15);
   const double sigma_m = dn::MarginalSigma(net, offset);
   good = Agrees("offset", net.Value(offset), kOffset_m, sigma_m) && good;

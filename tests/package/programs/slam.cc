@@ -90,7 +90,7 @@ int main() {
     last = next;
   }
 
-  const dn::SolveReport report = dn::Solve(net);
+  const dn::SolveSummary report = dn::Solve(net);
   const dn::Marginals marginals(net);
   bool good = report.converged && Between("sigma0", report.adjusted.sigma0(), 0.85, 1.15);
   for (int i = 0; i < 3; ++i) {

@@ -25,7 +25,7 @@ int main() {
   dn::Network both;
   both.Append(one.network().net(), "monday/", {"boresight"});
   both.Append(two.network().net(), "tuesday/", {"boresight"});
-  const dn::SolveReport report = dn::Solve(both, {.sigma_tolerance = 1e-3});
+  const dn::SolveSummary report = dn::Solve(both, {.sigma_tolerance = 1e-3});
   const auto boresight = both.Find<dn::LeftRotation>("boresight");
   const Eigen::Vector3d sigma_rad = dn::MarginalSigma(both, boresight);
   const Eigen::Quaterniond truth = dn::Exp(monday.boresight_rad);

@@ -69,10 +69,11 @@ struct ModelCheck {
   /// adjustment if it estimates them. Otherwise offset and drift are estimated jointly from the
   /// scores of their effects.
   Clocks clocks;
-  double gnss_clock_shift = 0.0;     ///< of gnss_clock, like EffectCheck::max_shift_sigmas
-  double sigma0_with_effects = 1.0;  ///< sigma0 if `effects` were estimated, first order
-  double p_value = 1.0;              ///< smallest p-value of all tests, family-wise
-  std::vector<Finding> findings;     ///< the contradicting ones first
+  double gnss_clock_shift = 0.0;         ///< of gnss_clock, like EffectCheck::max_shift_sigmas
+  bool gnss_clock_within_prior = false;  ///< the same, like EffectEvidence::within_prior
+  double sigma0_with_effects = 1.0;      ///< sigma0 if `effects` were estimated, first order
+  double p_value = 1.0;                  ///< smallest p-value of all tests, family-wise
+  std::vector<Finding> findings;         ///< the contradicting ones first
 
   double SmallestPValue() const;  ///< of all tests; 1 if there are none
   bool contradicted() const;

@@ -55,8 +55,8 @@ Json ComparisonJson(const std::string& flight,
 /// of the pure model, and the contributions of the effects that it leaves out.
 Json PredictedBoresightJson(const BoresightResult& boresight);
 
-/// Returns lines with the sigmas of the pure model, and with the effects outside of it that have the
-/// largest parts in the reported sigmas; empty without such effects.
+/// Returns lines with the sigmas of the pure model, and with the effects outside of it that have
+/// the largest parts in the reported sigmas; empty without such effects.
 std::string ContributionsSummary(const BoresightResult& boresight);
 
 /// Returns smooth.json of `dn smooth`, with the verdict `consistent` or `contradicted`.
