@@ -44,8 +44,8 @@ class UnmodelledUnknowns {
   /// Returns the covariance that these unknowns add to the rows of JointScore::shift.
   Eigen::MatrixXd AddedCovariance() const;
 
-  /// Returns the covariance that these unknowns add to the rows of JointScore::shift if the watched
-  /// unknowns are not corrected for them: S D S^T.
+  /// Returns the covariance that these unknowns add to the rows of JointScore::shift if the
+  /// watched unknowns are not corrected for them: S D S^T.
   Eigen::MatrixXd PriorCovariance() const;
 
   /// Returns the contributions to angles, the largest first. Each element of `angle_rows` is the
