@@ -49,8 +49,8 @@ class UnmodelledUnknowns {
   Eigen::MatrixXd PriorCovariance() const;
 
   /// Returns the contributions to angles, the largest first. Each element of `angle_rows` is the
-  /// first of three rows of JointScore::shift; the mean of their variances counts. `corrected` tells
-  /// whether these are corrected for the effects.
+  /// first of three rows of JointScore::shift; the mean of their variances counts. `corrected`
+  /// tells whether these are corrected for the effects.
   std::vector<EffectContribution> Contributions(const std::vector<Eigen::Index>& angle_rows,
                                                 bool corrected = true) const;
 
