@@ -48,7 +48,7 @@ TEST_P(FixedEffect, IsEstimatedAndExplainsTheDataBest) {
   ASSERT_NE(found, fit.effects.end());
   RefineTimes(fit.solution->network(), fit.solution->marginals(), 1, &*found);
   const GapCause cause = ToCause(*found);
-  constexpr double kSigmas = 4.0, kFirstOrder = 0.05;
+  constexpr double kFirstOrder = 0.05;
   double most = 0.0;
   for (const double value : shown.value) most = std::max(most, std::abs(value));
   for (std::size_t k = 0; k < shown.value.size(); ++k) {
