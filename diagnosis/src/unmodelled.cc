@@ -33,6 +33,7 @@ UnmodelledUnknowns::UnmodelledUnknowns(const Library& library, const UnmodelledP
     }
   }
   const auto n = static_cast<Index>(sigma.size());
+  if (n == 0) return;
   sigma_ = VectorXd::Map(sigma.data(), n);
   const MatrixXd scaled =
       sigma_.asDiagonal() * Symmetric(score.A(components_, components_)) * sigma_.asDiagonal();
@@ -60,6 +61,7 @@ MatrixXd UnmodelledUnknowns::PriorCovariance() const {
 }
 
 VectorXd UnmodelledUnknowns::EstimateBeside(const VectorXd& others) const {
+  if (empty()) return estimate_;
   VectorXd estimate = estimate_;
   estimate(components_) -= sigma_.cwiseProduct(
       inverse_ * sigma_.cwiseProduct(score_.A(components_, Eigen::all) * others));
