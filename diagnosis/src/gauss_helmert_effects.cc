@@ -137,10 +137,7 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
   }
   const ScoreSelection selection = SelectByScores(library, unmodelled.Conditioned(), family);
   out.effects = selection.effects;
-  for (std::size_t k = 0; k < out.effects.size(); ++k) {
-    out.effects[k].prior_sigmas = InPriorSigmas(
-        prior, *selection.chosen[k].id, selection.chosen[k].estimate, selection.chosen[k].sigma);
-  }
+  SetPriorSigmas(prior, selection.chosen, &out.effects);
   out.discrepancies = CheckDiscrepancies(library, selection.left, kNoExcess, family);
   const Eigen::VectorXd present = unmodelled.EstimateBeside(selection.joint) + selection.joint;
   if (!present.isZero(0.0)) out.share_left = errors.ResidualShare(present);

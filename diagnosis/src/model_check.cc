@@ -74,7 +74,9 @@ class Checker {
     FindEffects(unmodelled.Conditioned());
     residual_ = ResidualWith(unmodelled.estimate());
     const Eigen::VectorXd left =
-        ResidualWith(unmodelled.EstimateBeside(selection_.joint) + selection_.joint);
+        selection_.chosen.empty()
+            ? residual_
+            : ResidualWith(unmodelled.EstimateBeside(selection_.joint) + selection_.joint);
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
@@ -242,11 +244,7 @@ class Checker {
     score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
-    for (std::size_t k = 0; k < check_.effects.size(); ++k) {
-      check_.effects[k].prior_sigmas =
-          InPriorSigmas(prior_, *selection_.chosen[k].id, selection_.chosen[k].estimate,
-                        selection_.chosen[k].sigma);
-    }
+    SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
     check_.undetectable = FindUndetectable(library_, score, family_, prior_);
   }
 

@@ -76,7 +76,6 @@ std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginal
     change.position_m = -p * estimate;
     change.velocity_mps = -v * estimate;
     change.attitude_rad = -q * estimate;
-    change.position_variance_enu_m2 = variance(position);
     change.velocity_variance_enu = variance(axes.R_enu_m * v * root);
     change.rph_variance_rad2 = variance(axes.rph_from_body * attitude);
     change.position_covariance_m2 = (p * root) * (p * root).transpose();

@@ -88,7 +88,7 @@ std::vector<TrajectorySigma> Solution::CheckedSigmas() const {
   };
   for (std::size_t k = 0; k < sigma.size(); ++k) {
     const NodeChange& change = model_check().unmodelled->nodes[k];
-    add(&sigma[k].position_enu_m, change.position_variance_enu_m2);
+    add(&sigma[k].position_enu_m, change.pose_root.topRows<3>().rowwise().squaredNorm());
     add(&sigma[k].velocity_enu_mps, change.velocity_variance_enu);
     add(&sigma[k].rph_rad, change.rph_variance_rad2);
   }

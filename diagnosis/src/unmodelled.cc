@@ -153,4 +153,12 @@ std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, EffectId effec
   return shown > 0.0 ? shown : all;
 }
 
+void SetPriorSigmas(const UnmodelledPrior& prior, const std::vector<HypothesisEvidence>& chosen,
+                    std::vector<EffectCheck>* effects) {
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const HypothesisEvidence& effect = chosen[k];
+    (*effects)[k].prior_sigmas = InPriorSigmas(prior, *effect.id, effect.estimate, effect.sigma);
+  }
+}
+
 }  // namespace dn::diagnosis_internal

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hypothesis.h"
+#include "hypothesis_evidence.h"
 
 namespace dn::diagnosis_internal {
 
@@ -70,5 +71,10 @@ class UnmodelledUnknowns {
 std::optional<double> InPriorSigmas(const UnmodelledPrior& prior, EffectId effect,
                                     const Eigen::VectorXd& estimate_si,
                                     const Eigen::VectorXd& sigma_si);
+
+/// Compares the effects that a selection found with their priors. `chosen` has their joint
+/// estimates, in the same order.
+void SetPriorSigmas(const UnmodelledPrior& prior, const std::vector<HypothesisEvidence>& chosen,
+                    std::vector<EffectCheck>* effects);
 
 }  // namespace dn::diagnosis_internal

@@ -1,27 +1,7 @@
-#include <dn/names.h>
-
 #include "config_sections.h"
 
 namespace dn {
 namespace files_internal {
-namespace {
-
-/// Returns the effect of a key; fails unless it can act during the whole flight with fixed values.
-EffectId FindEffectByKey(const YamlValue& value, const std::string& name) {
-  const EffectSpec* effect = FindEffect(name);
-  if (effect == nullptr) {
-    value.Fail("unknown effect; did you mean '" +
-               NearestName(name, EffectNames(EffectKind::kFixed)) + "'?");
-  }
-  if (!effect->fixed() || effect->timing == EffectTiming::kWindow) {
-    value.Fail(
-        "takes fixed effects alone; the model states random errors where their sensor is, and "
-        "`estimate` takes errors that act for a part of the flight");
-  }
-  return effect->id;
-}
-
-}  // namespace
 
 UnmodelledConfig ReadUnmodelled(const YamlValue& section) {
   UnmodelledConfig config;
@@ -32,8 +12,13 @@ UnmodelledConfig ReadUnmodelled(const YamlValue& section) {
   section.ExpectMap(EffectNames(EffectKind::kFixed));
   for (const std::string& name : section.Keys()) {
     const YamlValue value = section[name];
-    const EffectId effect = FindEffectByKey(value, name);
-    config.sizes.push_back({effect, ReadEffectSigma(value, EffectRow(effect), &ReadNotNegative)});
+    const EffectSpec& effect = *FindEffect(name);
+    if (effect.timing == EffectTiming::kWindow) {
+      value.Fail(
+          "takes fixed effects alone; the model states random errors where their sensor is, and "
+          "`estimate` takes errors that act for a part of the flight");
+    }
+    config.sizes.push_back({effect.id, ReadEffectSigma(value, effect, &ReadNotNegative)});
   }
   return config;
 }

@@ -22,7 +22,7 @@ struct NodeChange {
   Eigen::Vector3d velocity_mps;  ///< correction, map axes
   Eigen::Vector3d attitude_rad;  ///< right rotation: q_mb' = q_mb Exp(attitude)
   /// Variances added: east, north, up; roll, pitch, heading.
-  Eigen::Vector3d position_variance_enu_m2, velocity_variance_enu, rph_variance_rad2;
+  Eigen::Vector3d velocity_variance_enu, rph_variance_rad2;
   Eigen::Matrix3d position_covariance_m2, velocity_covariance;  ///< added, map axes
   /// G with the joint covariance G_i G_j^T that is added to the poses of nodes i and j: position
   /// east, north, up (m), attitude in body (rad).
