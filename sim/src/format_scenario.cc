@@ -136,6 +136,16 @@ void WriteEffects(const std::vector<Effect>& effects, Writer* out) {
   }
 }
 
+std::string PairText(const PairScenario& pairs) {
+  std::string text =
+      "{count: " + std::to_string(pairs.count) + ", sigma_p_m: " + Number(pairs.sigma_p_m);
+  if (pairs.shared_fraction > 0.0) {
+    text += ", shared_error: {fraction: " + Number(pairs.shared_fraction) +
+            ", length_m: " + Number(pairs.shared_length_m) + "}";
+  }
+  return text + "}";
+}
+
 }  // namespace
 
 std::string FormatScenario(const Scenario& scenario) {
@@ -150,8 +160,7 @@ std::string FormatScenario(const Scenario& scenario) {
   WriteImu(scenario.imu, &out);
   WriteGnss(scenario.gnss, &out);
   WriteLidar(scenario.lidar, &out);
-  out.Top("pairs", "{count: " + std::to_string(scenario.pairs.count) +
-                       ", sigma_p_m: " + Number(scenario.pairs.sigma_p_m) + "}");
+  out.Top("pairs", PairText(scenario.pairs));
   out.Top("strips", scenario.strips ? "true" : "false");
   WriteEffects(scenario.effects, &out);
   return out.Take();

@@ -196,11 +196,17 @@ LidarScenario ReadLidar(const YamlValue& s) {
 }
 
 PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
-  ExpectMapOrAbsent(s, {"count", "sigma_p_m"});
+  ExpectMapOrAbsent(s, {"count", "sigma_p_m", "shared_error"});
   PairScenario pairs;
   pairs.where = s.where();
   pairs.count = s["count"] ? static_cast<long>(s["count"].Integer(0)) : 3000;
   pairs.sigma_p_m = ReadPositiveOr(s["sigma_p_m"], gsd_m / 2.0 / std::sqrt(3.0));
+  const YamlValue shared = s["shared_error"];
+  if (!shared) return pairs;
+  ExpectMapOrAbsent(shared, {"fraction", "length_m"});
+  pairs.shared_fraction = ReadPositive(shared["fraction"]);
+  if (pairs.shared_fraction > 1.0) shared["fraction"].Fail("must be at most 1");
+  pairs.shared_length_m = ReadPositive(shared["length_m"]);
   return pairs;
 }
 

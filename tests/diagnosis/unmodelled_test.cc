@@ -2,13 +2,13 @@
 
 #include <dn/diagnosis/solution.h>
 #include <dn/files/unmodelled.h>
+#include <dn/sim/draw_effects.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <string>
 
-#include "draw_unmodelled.h"
 #include "testing/short_flights.h"
 
 namespace dn::diagnosis_test {
@@ -148,7 +148,9 @@ std::vector<EstimateEntry> EstimateAll(const UnmodelledPrior& prior) {
 
 TEST(Unmodelled, OneInverseGivesWhatAnAdjustmentWithAllEffectsGives) {
   const UnmodelledPrior prior(SensorClass::kNavigation);
-  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(DrawUnmodelled(prior, 3)), 3);
+  Scenario scenario = testing::AircraftScenario();
+  scenario.effects = DrawEffects(prior, 1.0, 3);
+  SimulatedFlight sim = testing::Fly(scenario, 3);
   const BoresightResult linear = Solution(sim.flight).CheckedBoresight();
   sim.flight.config.unmodelled.none = true;
   sim.flight.config.estimate = EstimateAll(prior);

@@ -64,7 +64,8 @@ lidar: {R_sensor_to_body: [[0,1,0],[0,0,1],[1,0,0]], scan_axis: [0,1,0], nadir_a
         lever_arm_m: [0.14, -0.02, 0.21], boresight_deg: [0.8, -0.5, 1.2], fov_deg: 61,
         pattern: cone, gsd_m: 0.17, pulse_rate_hz: 77777, beam_divergence_mrad: 0.31,
         sigma_range_m: 0.013}
-pairs: {count: 97, sigma_p_m: 0.051}
+pairs: {count: 97, sigma_p_m: 0.051,
+        shared_error: {fraction: 0.2, length_m: 45}}
 strips: true
 effects:
   - {effect: gnss_lever_arm, value: [0.1, 0, -0.03]}

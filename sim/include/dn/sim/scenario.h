@@ -104,7 +104,12 @@ struct LidarScenario {
 struct PairScenario {
   long count = 0;
   double sigma_p_m = 0.0;  ///< per coordinate of the difference of a pair
-  FileLocation where;      ///< location of the section in the scenario
+  /// Fraction of the variance that neighbouring pairs of two strips share, and the distance at which
+  /// their correlation has fallen to exp(-1/2). The shared error lies in the sensor frame of the
+  /// first strip.
+  double shared_fraction = 0.0;
+  double shared_length_m = 0.0;
+  FileLocation where;  ///< location of the section in the scenario
 };
 
 /// Entry of `effects:`: an error that the data contain and the assumed model lacks.
