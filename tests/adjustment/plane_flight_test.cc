@@ -136,7 +136,7 @@ UnmodelledConfig OnlyRangeOffset(double sigma_m) {
 }
 
 TEST(PlaneFlight, TheCovarianceContainsTheShiftByUnmodelledEffects) {
-  constexpr double kOffsetM = 0.05;
+  constexpr double kOffsetM = 0.002;
   PlaneFlight clean, wrong;
   wrong.flight.config.unmodelled = OnlyRangeOffset(kOffsetM);
   const PlaneCalibration exact = CalibratePlanes(clean.flight, clean.Planes(40, 0.6));
