@@ -18,8 +18,8 @@ class EndDerivatives {
   EndDerivatives(const Flight& flight, const Eigen::Vector3d& lever_arm_b_m,
                  const Eigen::Vector3d& boresight_rad);
 
-  /// Returns the derivatives of W p, p the point in map, with the attitude corrected by the rotation
-  /// vector v_phi_rad in body.
+  /// Returns the derivatives of W p, p the point in map, with the attitude corrected by the
+  /// rotation vector v_phi_rad in body.
   PairEnd At(const GaussHelmertEnd& end, const Eigen::Vector3d& v_phi_rad,
              const Eigen::Matrix3d& W) const;
 

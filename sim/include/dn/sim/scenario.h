@@ -105,8 +105,8 @@ struct PairScenario {
   long count = 0;
   double sigma_p_m = 0.0;  ///< per coordinate of the difference of a pair
   /// Fraction of the variance that neighbouring pairs of two strips share, and the distance at
-  /// which their correlation has fallen to exp(-1/2). The shared error is in the sensor frame of the
-  /// first strip.
+  /// which their correlation has fallen to exp(-1/2). The shared error is in the sensor frame of
+  /// the first strip.
   double shared_fraction = 0.0;
   double shared_length_m = 0.0;
   FileLocation where;  ///< location of the section in the scenario
