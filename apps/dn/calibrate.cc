@@ -5,6 +5,7 @@
 #include <dn/files/strip_files.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
+#include <dn/report/value_words.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -92,7 +93,7 @@ void PrintUnknowns(const std::vector<UnknownEstimate>& unknowns) {
   for (const UnknownEstimate& unknown : unknowns) {
     fmt::print("{} [{}], correction to the assumed value:", unknown.name, unknown.unit);
     for (std::size_t i = 0; i < unknown.value.size(); ++i) {
-      fmt::print(" {:.6g} +- {:.2g}", unknown.value[i], unknown.sigma[i]);
+      fmt::print(" {}", FormatWithSigma(unknown.value[i], unknown.sigma[i]));
     }
     fmt::print("\n");
   }

@@ -7,6 +7,7 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
+#include <dn/report/value_words.h>
 #include <dn/stopwatch.h>
 #include <fmt/format.h>
 
@@ -97,7 +98,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   if (!rejected.empty()) {
     const MapGnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
     warnings.push_back(fmt::format(
-        "{} contradict all other data and were left out, the first at t = {} s ({}:{}); "
+        "{} contradict all other data and were left out, the first at t = {:.3f} s ({}:{}); "
         "report.json lists their {} epochs",
         RejectedCountsText(CountLeftOutGnss(*flight_run.adjustment().network)), first.t_s,
         flight_run.flight.config.gnss->file, first.line, rejected.size()));
@@ -251,12 +252,10 @@ void PrintClocks(const Clocks& clocks) {
   const auto print = [](const char* sensor, const std::optional<ClockEstimate>& clock) {
     if (!clock) return;
     const ClockEstimate alone = clock->WithoutDrift();
-    fmt::print(
-        "  {:<6} offset {:.6f} +- {:.2g} s, drift {:.3f} +- {:.2g} ppm; offset without drift "
-        "{:.6f} "
-        "+- {:.2g} s\n",
-        sensor, clock->offset_s, clock->sigma_offset_s, clock->drift * 1e6,
-        clock->sigma_drift * 1e6, alone.offset_s, alone.sigma_offset_s);
+    fmt::print("  {:<6} offset {} s, drift {} ppm; offset without drift {} s\n", sensor,
+               FormatWithSigma(clock->offset_s, clock->sigma_offset_s),
+               FormatWithSigma(clock->drift * 1e6, clock->sigma_drift * 1e6),
+               FormatWithSigma(alone.offset_s, alone.sigma_offset_s));
   };
   if (!clocks.gnss && !clocks.lidar) return;
   fmt::print(
