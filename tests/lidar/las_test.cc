@@ -435,7 +435,7 @@ TEST(LasHeader, LazIsRecognisedByItsRecord) {
 }
 
 TEST(LasHeader, RejectsOtherFiles) {
-  ExpectRefused("x", "strips must be .las or .txt files, but the extension is '.ply'", "strip.ply");
+  ExpectRefused("x", "strips must be .las, .laz or .txt files, not '.ply'", "strip.ply");
 }
 
 }  // namespace dn::lidar_test

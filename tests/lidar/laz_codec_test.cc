@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <random>
 #include <sstream>
 #include <string>
@@ -123,6 +124,30 @@ TEST_P(EveryPointFormat, EveryChangedBitIsDecodedOrRejected) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Laz, EveryPointFormat, ::testing::Range(0, 11));
+
+/// Returns the FNV-1a checksum of bytes.
+std::uint64_t Checksum(const std::string& bytes) {
+  std::uint64_t sum = 0xcbf29ce484222325u;
+  for (const char byte : bytes) {
+    sum = (sum ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3u;
+  }
+  return sum;
+}
+
+// Checksums of compressed points that another implementation (laz-perf) decompresses correctly. It
+// lacks the formats with waveforms.
+TEST(LazCodec, CompressedBytesAreThoseThatOtherProgramsRead) {
+  const std::map<int, std::uint64_t> checksums{{0, 0xf5d779b869d01903u}, {1, 0xe7fe2670543ad481u},
+                                               {2, 0x3b92331cfbdcdef3u}, {3, 0xcc41f97300d4d5d1u},
+                                               {6, 0x6d1b368e0f4c42c2u}, {7, 0x8ea783bb7ed44ee4u},
+                                               {8, 0x7e11ce178e8591a6u}};
+  for (const auto& [format, checksum] : checksums) {
+    const LazRecords records(format, 5, 3000, 1);
+    const Compressed compressed = Compress(
+        lidar_internal::laz::MakeCompression(format, records.record_bytes()), records.bytes());
+    EXPECT_EQ(Checksum(compressed.file.substr(kBegin + 8)), checksum) << format;
+  }
+}
 
 TEST(LazCodec, ReadsPointsWithoutChunks) {
   constexpr std::size_t kPoints = 3000;

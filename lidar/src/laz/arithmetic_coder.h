@@ -12,8 +12,8 @@ namespace dn::lidar_internal::laz {
 inline constexpr std::uint32_t kLeastLength = 1u << 24;
 inline constexpr std::uint32_t kWholeLength = 0xFFFFFFFFu;
 
-/// Arithmetic decoder. Decoder and Encoder have the same methods, so that one template of an item
-/// describes both directions: a method takes the value to encode and returns the coded value.
+/// Arithmetic decoder. Encoder has the same methods, so that one template of an item describes both
+/// directions. Each method takes the value to encode and returns the coded value.
 ///
 /// Source: A. Said, Introduction to Arithmetic Coding, HPL-2004-76.
 class Decoder {

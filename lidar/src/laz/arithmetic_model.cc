@@ -16,10 +16,10 @@ std::uint32_t FirstInterval(std::uint32_t symbols) { return (symbols + 6) / 2; }
 
 std::uint32_t LongestInterval(std::uint32_t symbols) { return (symbols + 6) * 8; }
 
-/// Returns the shift of levels for which the table has about a quarter as many entries as symbols.
+/// Returns the shift of levels for which the table has about as many entries as symbols.
 std::uint32_t TableShift(std::uint32_t symbols) {
   std::uint32_t bits = 3;
-  while (symbols > 4u << bits) ++bits;
+  while (symbols > 1u << bits) ++bits;
   return SymbolModel::kBits - bits;
 }
 

@@ -38,7 +38,8 @@ class LayeredItem {
   /// Sets the part of the first record of a chunk, and its scanner channel.
   virtual void Start(const char* first, std::size_t channel) = 0;
 
-  /// Codes the part of the next record. The item POINT14 sets `channel`, which others use.
+  /// Codes the part of the next record. The item POINT14 sets `channel`, which the others use. In
+  /// version 3 it only does so for a point whose channel differs from that of the point before.
   virtual void Code(typename Coder::Byte* part, std::size_t* channel) = 0;
 
   std::vector<Layer<Coder>>& layers() { return layers_; }
@@ -49,9 +50,10 @@ class LayeredItem {
 
 /// The state of an item for each of the four scanner channels.
 ///
-/// State has a constructor from `const Last&` and a member `last`. In version 3 of the items, a
-/// return to an earlier channel predicts from the point before and replaces its value: an error of
-/// the first programs, which the format retains. Version 4 uses the last point of the channel.
+/// State has a constructor from `const Last&` and a member `last`. In version 3 of the items, the
+/// point before predicts the first point after a return to a channel, which then replaces the value
+/// of the other channel. This error of the first programs is part of the format. Version 4 uses the
+/// last point of the channel.
 template <class State, class Last>
 class Channels {
  public:

@@ -42,12 +42,13 @@ class LayeredRecord {
   std::size_t bytes() const { return bytes_; }
 
   void Start(const char* record) {
-    channel_ = Point14Fields(record).channel;
-    for (const Part& part : items_) part.item->Start(record + part.at, channel_);
+    const std::size_t channel = Point14Fields(record).channel;
+    for (const Part& part : items_) part.item->Start(record + part.at, channel);
   }
 
   void Code(typename Coder::Byte* record) {
-    for (const Part& part : items_) part.item->Code(record + part.at, &channel_);
+    std::size_t channel = 0;
+    for (const Part& part : items_) part.item->Code(record + part.at, &channel);
   }
 
   /// Calls `visit` with each layer in the order of the file.
@@ -66,7 +67,6 @@ class LayeredRecord {
 
   std::vector<Part> items_;
   std::size_t bytes_ = 0;
-  std::size_t channel_ = 0;
 };
 
 class LayeredDecoder final : public ChunkDecoder {

@@ -62,11 +62,11 @@ struct Point14Fields {
 };
 
 /// Item POINT14: nine layers. The first one has the coordinates x and y, the returns and the
-/// channel, and marks the points whose other attributes differ from those of the point before.
+/// channel. It also marks the points whose time, angle or source differ from the point before.
 template <class Coder>
 class Point14 final : public LayeredItem<Coder> {
  public:
-  explicit Point14(int version) : LayeredItem<Coder>(9), channels_(version) {}
+  explicit Point14(int version) : LayeredItem<Coder>(9), version_(version), channels_(version) {}
 
   void Start(const char* first, std::size_t /*channel*/) override {
     const Point14Fields fields(first);
@@ -79,11 +79,12 @@ class Point14 final : public LayeredItem<Coder> {
     Point14Fields now;
     if constexpr (Coder::kWrites) now = Point14Fields(part);
     const std::uint32_t changes = CodeChanges(&now);
-    *channel = now.channel;
+    if (version_ >= 4 || (changes & kChannelChange) != 0) *channel = now.channel;
     State& state = channels_.state();
     if constexpr (!Coder::kWrites) {
+      const std::uint8_t selected = now.channel;
       now = state.last;
-      now.channel = static_cast<std::uint8_t>(*channel);
+      now.channel = selected;
     }
     CodeReturns(state, changes, &now);
     const bool later = (changes & kTimeChange) != 0;
@@ -273,6 +274,7 @@ class Point14 final : public LayeredItem<Coder> {
     now->time = state.times.Code(coder(kTime), now->time);
   }
 
+  int version_;
   Channels<State, Point14Fields> channels_;
 };
 
