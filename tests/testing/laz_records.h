@@ -56,7 +56,8 @@ class LazRecords {
 
   void StartPulse() {
     number_ = 1;
-    returns_ = 1 + static_cast<int>(random_() % (OneIn(5) ? 7 : 2));
+    const unsigned most = OneIn(5) ? 7 : 2;
+    returns_ = 1 + static_cast<int>(random_() % most);
     x_ += 100;
     y_ = std::abs(x_ % 20000) - 5000;
     if (OneIn(300)) x_ -= 90000;
