@@ -5,6 +5,7 @@
 #include <dn/sim/scenario.h>
 
 #include "scenario_words.h"
+#include "vibration_section.h"
 
 namespace dn {
 namespace {
@@ -74,6 +75,7 @@ void WritePlan(const PlanScenario& plan, Writer* out) {
   out->Key("bank_deg", Number(plan.bank_rad, &FromDeg));
   out->Key("turbulence", Turbulence(plan.turbulence));
   out->Key("crab_deg", Number(plan.crab_rad, &FromDeg));
+  out->Key("vibration", FormatVibration(plan.vibration));
   out->Key("stabilised_mount", plan.stabilised_mount ? "true" : "false");
 }
 

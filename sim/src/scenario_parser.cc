@@ -10,6 +10,7 @@
 
 #include "scenario_limits.h"
 #include "scenario_words.h"
+#include "vibration_section.h"
 
 namespace dn {
 namespace {
@@ -83,7 +84,7 @@ void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
 
 PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   ExpectMapOrAbsent(s, {"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
-                        "stabilised_mount", "replay", "strips"});
+                        "stabilised_mount", "vibration", "replay", "strips"});
   PlanScenario plan;
   plan.warm_up_s = ReadNotNegativeOr(s["warm_up_s"], 0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
@@ -94,6 +95,7 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   if (bank_deg > 60.0) s["bank_deg"].Fail("must be at most 60");
   plan.bank_rad = bank_deg * kRadPerDeg;
   plan.turbulence = ReadTurbulence(s["turbulence"]);
+  plan.vibration = ReadVibration(s["vibration"]);
   plan.crab_rad = ReadNumberOr(s["crab_deg"], 0.0) * kRadPerDeg;
   if (std::abs(plan.crab_rad) > 45.0 * kRadPerDeg)
     s["crab_deg"].Fail("must lie between -45 and 45");

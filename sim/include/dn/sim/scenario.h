@@ -7,6 +7,7 @@
 #include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
+#include <dn/sim/vibration.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -40,6 +41,7 @@ struct PlanScenario {
   std::vector<PlannedLine> lines;
   double bank_rad = 0.0;  ///< maximum bank angle in turns
   TurbulenceScenario turbulence;
+  VibrationScenario vibration;
   double crab_rad = 0.0;          ///< heading minus course
   bool stabilised_mount = false;  ///< the mount keeps the body level within 0.3 deg
   /// File of a trajectory to fly instead of `lines`, with its own times and attitude.
