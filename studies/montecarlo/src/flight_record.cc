@@ -1,5 +1,6 @@
 #include <dn/diagnosis/solution.h>
 #include <dn/effects/effect_table.h>
+#include <dn/effects/gnss_process_prior.h>
 #include <dn/error.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>
@@ -145,6 +146,19 @@ void AddErrors(const SimulatedFlight& simulated, const Solution& solution,
       Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
 }
 
+/// Returns a time-correlated error of the GNSS positions, drawn from its prior.
+Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, Random* random) {
+  using Prior = GnssProcessPrior;
+  const double size = Prior::kMedianSize * std::exp(Prior::kLogSizeSigma * random->Normal());
+  const Eigen::Vector3d sigma_m = factor * size * Prior::StatedSigma(stated_enu_m) * Prior::Axes();
+  const double tau_s = Prior::kShortestTauS *
+                       std::pow(Prior::kLongestTauS / Prior::kShortestTauS, random->Uniform());
+  return {EffectName(EffectId::kGnssCorrelatedNoise),
+          {sigma_m.x(), sigma_m.y(), sigma_m.z(), tau_s},
+          {},
+          {}};
+}
+
 /// Returns the scenario with every effect of the prior of its flights, drawn with a factor.
 Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) {
   FlightConfig config;
@@ -161,6 +175,9 @@ Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) 
                             effect.components[k].to_si);
     }
     scenario.effects.push_back(std::move(drawn));
+  }
+  if (scenario.gnss.processes.empty()) {
+    scenario.effects.push_back(DrawGnssProcess(scenario.gnss.sigma_enu_m, factor, &random));
   }
   return scenario;
 }
