@@ -290,6 +290,7 @@ std::string FlightDraft::GnssText() const {
         "  sigma_enu_m: [0.03, 0.03, 0.05]   # assumed, a differential solution: the file states "
         "none\n";
   }
+  text += "  processes: auto               # time-correlated errors; [] for none\n";
   return text;
 }
 

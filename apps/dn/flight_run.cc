@@ -90,9 +90,10 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<Finding> findings = flight_run.adjustment().warnings;
   const auto& statistics = flight_run.solution->trajectory().warnings;
   findings.insert(findings.end(), statistics.begin(), statistics.end());
-  if (const auto warning = GnssErrorWarning(flight_run.adjustment())) {
-    findings.push_back(*warning);
-  }
+  const auto& unmodelled = flight_run.solution->model_check().unmodelled;
+  const bool usual = unmodelled && unmodelled->gnss_process_usual.value_or(false);
+  const auto warning = GnssErrorWarning(flight_run.adjustment());
+  if (warning && !usual) findings.push_back(*warning);
   for (const std::string& text : Words(findings)) warnings.push_back(text);
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {

@@ -18,6 +18,7 @@
 #include "competing_effects.h"
 #include "detectability.h"
 #include "discrepancies.h"
+#include "gnss_process.h"
 #include "model_findings.h"
 #include "network_hypotheses.h"
 #include "node_changes.h"
@@ -62,12 +63,13 @@ class Checker {
   ModelCheck Run() {
     auto sums = Beside(threads_, [&] { FormSums(); });
     library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
+    gnss_process_ = AddGnssProcess(network_, linearized_, &library_);
     Watch();
     const JointScore score = ScoreHypotheses();
     sums.get();
     family_.tests = static_cast<double>(forms_.size() + library_.hypotheses.size());
     CheckPriors();
-    const UnmodelledUnknowns unmodelled(library_, prior_, score);
+    const UnmodelledUnknowns unmodelled(library_, prior_, score, gnss_process_);
     FindCompeting(score);
     FindClocks(score);
     TakeUnmodelled(unmodelled);
@@ -139,20 +141,30 @@ class Checker {
 
   void CheckGroups(const Eigen::VectorXd& with_effects) {
     for (std::size_t g = 0; g < num_channels_; ++g) {
-      const ChannelFit fit =
-          TestChannel(linearized_, residual_, forms_[g], moments_[g], trajectory_.redundancy);
-      GroupCheck group;
-      group.name = fit.name;
-      group.observations = fit.observations;
-      group.redundancy = fit.redundancy;
-      group.variance_ratio = fit.variance_ratio;
+      GroupCheck group = CheckGroup(g, residual_);
+      if (gnss_process_) {
+        // A wide process absorbs a part of an outlier, which then looks like several errors.
+        GroupCheck pure = CheckGroup(g, linearized_.residual());
+        if (pure.isolated) group = std::move(pure);
+      }
       group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
-      group.p_value = family_.FamilyWise(fit.p_value);
-      group.worst_t_s = fit.worst.row.t_s;
-      group.worst_standardised = fit.worst.standardised;
-      group.isolated = IsIsolatedRow(group, fit.worst);
       check_.groups.push_back(std::move(group));
     }
+  }
+
+  GroupCheck CheckGroup(std::size_t g, const Eigen::VectorXd& residual) const {
+    const ChannelFit fit =
+        TestChannel(linearized_, residual, forms_[g], moments_[g], trajectory_.redundancy);
+    GroupCheck group;
+    group.name = fit.name;
+    group.observations = fit.observations;
+    group.redundancy = fit.redundancy;
+    group.variance_ratio = fit.variance_ratio;
+    group.p_value = family_.FamilyWise(fit.p_value);
+    group.worst_t_s = fit.worst.row.t_s;
+    group.worst_standardised = fit.worst.standardised;
+    group.isolated = IsIsolatedRow(group, fit.worst);
+    return group;
   }
 
   void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
@@ -215,6 +227,7 @@ class Checker {
     UnmodelledEffects& effects = check_.unmodelled.emplace();
     effects.nodes = NodeChanges(network_, marginals_, library_, unmodelled);
     effects.contributions = unmodelled.Contributions(AngleRows());
+    if (unmodelled.process()) effects.gnss_process_usual = IsUsualSize(*unmodelled.process());
     if (family_.of_boresight) {
       effects.boresight_rad = change.head<3>();
       effects.covariance_rad2 = added.topLeftCorner<3, 3>();
@@ -368,6 +381,7 @@ class Checker {
   std::vector<ResidualForm> forms_;  // forms of the channels, then of common errors
   std::size_t num_channels_ = 0;
   Library library_;
+  std::optional<GnssProcessBasis> gnss_process_;
   std::vector<BlockId> watched_;
   TestFamily family_;
   Eigen::MatrixXd gain_;  // rows x watched coordinates

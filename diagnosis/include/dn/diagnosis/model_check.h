@@ -35,7 +35,8 @@ struct NodeChange {
 ///   e = -(A + D^-1)^-1 s,   x' = x - S e,   C' = C + S (A + D^-1)^-1 S^T
 ///
 /// s, A and S are the score, the information and the shift of the effects (JointScore), and D is
-/// their prior covariance (UnmodelledPrior).
+/// their prior covariance (UnmodelledPrior). A process of the GNSS positions has many D, one per
+/// size and time constant: e and C' are then mean and covariance over their posterior.
 struct UnmodelledEffects {
   /// Change of an estimated effect: the correction of its value, and the variance added, SI.
   struct UnknownChange {
@@ -49,6 +50,9 @@ struct UnmodelledEffects {
   std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
   std::vector<EffectContribution> contributions;  ///< the largest first
   std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
+  /// Whether the size of the time-correlated error of the GNSS positions (gnss.processes: auto) is
+  /// one that its prior expects; absent without it.
+  std::optional<bool> gnss_process_usual;
 };
 
 /// Results of the tests of whether the data of an adjusted flight agree with the assumed model.
