@@ -22,6 +22,7 @@
 #include "network_hypotheses.h"
 #include "node_changes.h"
 #include "score_selection.h"
+#include "smallest_p_value.h"
 #include "unmodelled.h"
 
 namespace dn {
@@ -36,6 +37,7 @@ constexpr double kControlledRedundancy = 0.1;
 // Cost, in nats, of averaging the evidence over the size of an error instead of taking the
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
+constexpr int kScoreDraws = 400;
 
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
@@ -80,9 +82,9 @@ class Checker {
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
-    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    CheckAllDiscrepancies();
     CheckCommonErrors(left);
-    check_.p_value = check_.SmallestPValue();
+    check_.p_value = FamilyPValue(smallest_p_, check_.effective_tests);
     return std::move(check_);
   }
 
@@ -93,7 +95,8 @@ class Checker {
     num_channels_ = forms_.size();
     std::vector<ResidualForm> common = CommonErrorForms(network_, linearized_);
     std::move(common.begin(), common.end(), std::back_inserter(forms_));
-    moments_ = ComputeFormMoments(marginals_, forms_);
+    energies_ = SampleFormEnergies(marginals_, forms_);
+    moments_ = ComputeFormMoments(marginals_, forms_, energies_);
   }
 
   /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
@@ -137,7 +140,14 @@ class Checker {
     return rest <= kLargestVarianceRatio * group.redundancy;
   }
 
+  /// Returns the p-value of one of the tests for the family of all tests.
+  double FamilyWise(double p_value) {
+    smallest_p_ = std::min(smallest_p_, p_value);
+    return family_.FamilyWise(p_value);
+  }
+
   void CheckGroups(const Eigen::VectorXd& with_effects) {
+    Eigen::VectorXd redundancy(static_cast<Eigen::Index>(num_channels_));
     for (std::size_t g = 0; g < num_channels_; ++g) {
       const ChannelFit fit =
           TestChannel(linearized_, residual_, forms_[g], moments_[g], trajectory_.redundancy);
@@ -147,12 +157,14 @@ class Checker {
       group.redundancy = fit.redundancy;
       group.variance_ratio = fit.variance_ratio;
       group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
-      group.p_value = family_.FamilyWise(fit.p_value);
+      group.p_value = FamilyWise(fit.p_value);
+      redundancy[static_cast<Eigen::Index>(g)] = fit.redundancy;
       group.worst_t_s = fit.worst.row.t_s;
       group.worst_standardised = fit.worst.standardised;
       group.isolated = IsIsolatedRow(group, fit.worst);
       check_.groups.push_back(std::move(group));
     }
+    check_.effective_tests += EffectiveTests(SmallestFormPValues(moments_, energies_, redundancy));
   }
 
   void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
@@ -163,7 +175,7 @@ class Checker {
       common.group = forms_[c].channel;
       const double energy = forms_[c].Energy(residual_);
       common.ratio = energy / std::max(moments.mean, 1e-300);
-      common.p_value = family_.FamilyWise(moments.UpperTail(energy));
+      common.p_value = FamilyWise(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
@@ -242,6 +254,8 @@ class Checker {
   /// `score`: that of the model with the unmodelled effects.
   void FindEffects(JointScore score) {
     score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+    smallest_p_ = std::min(smallest_p_, SmallestEffectPValue(library_, score));
+    check_.effective_tests += EffectiveTests(SmallestScorePValues(library_, score, kScoreDraws));
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
     SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
@@ -256,6 +270,13 @@ class Checker {
       if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_with_effects);
     }
     return ratio;
+  }
+
+  void CheckAllDiscrepancies() {
+    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    for (const DiscrepancyCheck& check : check_.discrepancies) {
+      smallest_p_ = std::min(smallest_p_, ChiSquareTail(check.statistic, check.dof));
+    }
   }
 
   void FindClocks(const JointScore& score) {
@@ -353,9 +374,9 @@ class Checker {
       const Prediction prediction = PredictFactor(marginals_, rows.factor);
       if (!prediction.determined) continue;
       const double p = ChiSquareTail(prediction.statistic, rows.count);
-      check_.priors.push_back(
-          {block.name, prediction.statistic, rows.count, family_.FamilyWise(p)});
+      check_.priors.push_back({block.name, prediction.statistic, rows.count, FamilyWise(p)});
     }
+    check_.effective_tests += static_cast<double>(check_.priors.size());
   }
 
   const FlightNetwork& network_;
@@ -370,8 +391,10 @@ class Checker {
   Library library_;
   std::vector<BlockId> watched_;
   TestFamily family_;
-  Eigen::MatrixXd gain_;  // rows x watched coordinates
+  Eigen::MatrixXd gain_;      // rows x watched coordinates
+  Eigen::MatrixXd energies_;  // forms_ x samples
   std::vector<FormMoments> moments_;
+  double smallest_p_ = 1.0;   // of all tests, raw
   Eigen::VectorXd residual_;  // with the unmodelled effects
   ScoreSelection selection_;
   ModelCheck check_;
