@@ -23,6 +23,7 @@
 #include "network_hypotheses.h"
 #include "node_changes.h"
 #include "score_selection.h"
+#include "smallest_p_value.h"
 #include "unmodelled.h"
 
 namespace dn {
@@ -37,6 +38,7 @@ constexpr double kControlledRedundancy = 0.1;
 // Cost, in nats, of averaging the evidence over the size of an error instead of taking the
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
+constexpr int kScoreDraws = 400;
 
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
@@ -82,9 +84,9 @@ class Checker {
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
-    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    CheckAllDiscrepancies();
     CheckCommonErrors(left);
-    check_.p_value = check_.SmallestPValue();
+    check_.p_value = FamilyPValue(smallest_p_, check_.effective_tests);
     return std::move(check_);
   }
 
@@ -95,7 +97,8 @@ class Checker {
     num_channels_ = forms_.size();
     std::vector<ResidualForm> common = CommonErrorForms(network_, linearized_);
     std::move(common.begin(), common.end(), std::back_inserter(forms_));
-    moments_ = ComputeFormMoments(marginals_, forms_);
+    energies_ = SampleFormEnergies(marginals_, forms_);
+    moments_ = ComputeFormMoments(marginals_, forms_, energies_);
   }
 
   /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
@@ -139,20 +142,37 @@ class Checker {
     return rest <= kLargestVarianceRatio * group.redundancy;
   }
 
+  /// Returns the p-value of one of the tests for the family of all tests.
+  double FamilyWise(double p_value) {
+    smallest_p_ = std::min(smallest_p_, p_value);
+    return family_.FamilyWise(p_value);
+  }
+
   void CheckGroups(const Eigen::VectorXd& with_effects) {
+    Eigen::VectorXd redundancy(static_cast<Eigen::Index>(num_channels_));
     for (std::size_t g = 0; g < num_channels_; ++g) {
-      GroupCheck group = CheckGroup(g, residual_);
+      TestedGroup tested = CheckGroup(g, residual_);
       if (gnss_process_) {
         // A wide process absorbs a part of an outlier, which then looks like several errors.
-        GroupCheck pure = CheckGroup(g, linearized_.residual());
-        if (pure.isolated) group = std::move(pure);
+        TestedGroup pure = CheckGroup(g, linearized_.residual());
+        if (pure.group.isolated) tested = std::move(pure);
       }
+      smallest_p_ = std::min(smallest_p_, tested.p_value);
+      GroupCheck& group = tested.group;
+      redundancy[static_cast<Eigen::Index>(g)] = group.redundancy;
       group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
       check_.groups.push_back(std::move(group));
     }
+    check_.effective_tests += EffectiveTests(SmallestFormPValues(moments_, energies_, redundancy));
   }
 
-  GroupCheck CheckGroup(std::size_t g, const Eigen::VectorXd& residual) const {
+  /// A tested group with its p-value as that of a single test.
+  struct TestedGroup {
+    GroupCheck group;
+    double p_value = 1.0;
+  };
+
+  TestedGroup CheckGroup(std::size_t g, const Eigen::VectorXd& residual) const {
     const ChannelFit fit =
         TestChannel(linearized_, residual, forms_[g], moments_[g], trajectory_.redundancy);
     GroupCheck group;
@@ -164,7 +184,7 @@ class Checker {
     group.worst_t_s = fit.worst.row.t_s;
     group.worst_standardised = fit.worst.standardised;
     group.isolated = IsIsolatedRow(group, fit.worst);
-    return group;
+    return {std::move(group), fit.p_value};
   }
 
   void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
@@ -175,7 +195,7 @@ class Checker {
       common.group = forms_[c].channel;
       const double energy = forms_[c].Energy(residual_);
       common.ratio = energy / std::max(moments.mean, 1e-300);
-      common.p_value = family_.FamilyWise(moments.UpperTail(energy));
+      common.p_value = FamilyWise(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
@@ -255,6 +275,8 @@ class Checker {
   /// `score`: that of the model with the unmodelled effects.
   void FindEffects(JointScore score) {
     score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+    smallest_p_ = std::min(smallest_p_, SmallestEffectPValue(library_, score));
+    check_.effective_tests += EffectiveTests(SmallestScorePValues(library_, score, kScoreDraws));
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
     SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
@@ -269,6 +291,13 @@ class Checker {
       if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_with_effects);
     }
     return ratio;
+  }
+
+  void CheckAllDiscrepancies() {
+    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    for (const DiscrepancyCheck& check : check_.discrepancies) {
+      smallest_p_ = std::min(smallest_p_, ChiSquareTail(check.statistic, check.dof));
+    }
   }
 
   void FindClocks(const JointScore& score) {
@@ -366,9 +395,9 @@ class Checker {
       const Prediction prediction = PredictFactor(marginals_, rows.factor);
       if (!prediction.determined) continue;
       const double p = ChiSquareTail(prediction.statistic, rows.count);
-      check_.priors.push_back(
-          {block.name, prediction.statistic, rows.count, family_.FamilyWise(p)});
+      check_.priors.push_back({block.name, prediction.statistic, rows.count, FamilyWise(p)});
     }
+    check_.effective_tests += static_cast<double>(check_.priors.size());
   }
 
   const FlightNetwork& network_;
@@ -384,8 +413,10 @@ class Checker {
   std::optional<GnssProcessBasis> gnss_process_;
   std::vector<BlockId> watched_;
   TestFamily family_;
-  Eigen::MatrixXd gain_;  // rows x watched coordinates
+  Eigen::MatrixXd gain_;      // rows x watched coordinates
+  Eigen::MatrixXd energies_;  // forms_ x samples
   std::vector<FormMoments> moments_;
+  double smallest_p_ = 1.0;   // of all tests, raw
   Eigen::VectorXd residual_;  // with the unmodelled effects
   ScoreSelection selection_;
   ModelCheck check_;

@@ -104,6 +104,8 @@ Json ModelCheckJson(const ModelCheck& check) {
           {"rivals", ConvertAll(check.competing_effects, &CompetingEffectJson, has_boresight)},
           {"priors", ConvertAll(check.priors, &PriorJson)},
           {"findings", ConvertAll(check.findings, &FindingJson)},
+          {"effective_tests",
+           check.effective_tests > 0.0 ? Json(check.effective_tests) : Json(nullptr)},
           {"p_value", check.p_value}};
 }
 
