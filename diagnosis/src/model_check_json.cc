@@ -25,7 +25,8 @@ Json CommonErrorJson(const CommonErrorCheck& common) {
           {"p_value", common.p_value},
           {"sigma", common.sigma},
           {"damage", common.max_shift_sigmas},
-          {"explained", common.explained}};
+          {"explained", common.explained},
+          {"covered", common.covered}};
 }
 
 /// Returns a shift of the boresight; null if the check has no boresight.

@@ -122,6 +122,13 @@ MatrixXd UnmodelledUnknowns::AddedCovariance() const {
   return gain * gain.transpose();
 }
 
+MatrixXd UnmodelledUnknowns::Gain() const {
+  MatrixXd gain = MatrixXd::Zero(score_.s.size(), score_.shift.rows());
+  const MatrixXd scaled = score_.shift(Eigen::all, components_) * sigma_.asDiagonal();
+  gain(components_, Eigen::all) = sigma_.asDiagonal() * (inverse_ * scaled.transpose());
+  return gain;
+}
+
 MatrixXd UnmodelledUnknowns::PriorCovariance() const {
   const MatrixXd gain = score_.shift(Eigen::all, fixed_) * sigma_.asDiagonal();
   return gain * gain.transpose();

@@ -54,6 +54,10 @@ class UnmodelledUnknowns {
 
   /// Returns the change of the watched unknowns in the rows of JointScore::shift.
   Eigen::VectorXd Correction() const { return -score_.shift * estimate_; }
+  /// Returns (A + D^-1)^-1 S^T: one row per component of the score, and one column per row of
+  /// JointScore::shift. An error e of the residuals changes the correction by the transpose of this
+  /// times L^T M e.
+  Eigen::MatrixXd Gain() const;
   /// Returns the covariance that these unknowns add to the rows of JointScore::shift.
   Eigen::MatrixXd AddedCovariance() const;
 

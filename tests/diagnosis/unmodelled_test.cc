@@ -152,13 +152,17 @@ TEST(Unmodelled, OneInverseGivesWhatAnAdjustmentWithAllEffectsGives) {
   scenario.effects = DrawEffects(prior, 1.0, 3);
   SimulatedFlight sim = testing::Fly(scenario, 3);
   sim.flight.config.gnss->automatic_process = false;
-  const BoresightResult linear = Solution(sim.flight).CheckedBoresight();
+  const Solution solution(sim.flight);
+  const BoresightResult linear = solution.CheckedBoresight();
+  const Eigen::Matrix3d effects =
+      linear.covariance_rad2 - solution.model_check().unmodelled->noise_covariance_rad2;
   sim.flight.config.unmodelled.none = true;
   sim.flight.config.estimate = EstimateAll(prior);
   const BoresightResult refit = Solution(sim.flight).Boresight();
   const Eigen::Vector3d sigma = refit.sigma_rad();
   EXPECT_LT((linear.angles_rad - refit.angles_rad).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 0.1);
-  EXPECT_LT((linear.sigma_rad().cwiseQuotient(sigma).array() - 1.0).abs().maxCoeff(), 0.01);
+  const Eigen::Vector3d ratio = effects.diagonal().cwiseSqrt().cwiseQuotient(sigma);
+  EXPECT_LT((ratio.array() - 1.0).abs().maxCoeff(), 0.01);
 }
 
 const std::string kWanderingGnss =
@@ -254,9 +258,11 @@ TEST(Unmodelled, ADesignPredictsTheSigmaOfItsFlight) {
   SimulatedFlight sim = testing::Fly(testing::AircraftScenario(), 3);
   sim.flight.config.gnss->automatic_process = false;  // its size follows from the data
   const Solution solution(sim.flight);
-  const Eigen::Vector3d ratio = solution.PredictedBoresight().sigma_rad().cwiseQuotient(
-      solution.CheckedBoresight().sigma_rad());
-  EXPECT_LT((ratio.array() - 1.0).abs().maxCoeff(), 1e-9);
+  const Eigen::Matrix3d predicted = solution.PredictedBoresight().covariance_rad2;
+  const Eigen::Matrix3d noise = solution.model_check().unmodelled->noise_covariance_rad2;
+  const Eigen::Matrix3d adjusted = solution.CheckedBoresight().covariance_rad2 - noise;
+  EXPECT_LT((predicted - adjusted).norm(), 1e-9 * adjusted.norm());
+  EXPECT_LT(noise.diagonal().cwiseQuotient(adjusted.diagonal()).maxCoeff(), 0.1);
 }
 
 TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {

@@ -115,9 +115,9 @@ std::string Say(const facts::ErrorsShared& fact) {
   const CommonErrorCheck& common = fact.common;
   return fmt::format(
       "the residuals of {} have common errors of about {:.2g} of their sigmas, which the model "
-      "assumes to be independent ({}); they may move the result by {:.1f} sigma: {}",
+      "assumes to be independent ({}); they may move the result by {:.1f} sigma{}: {}",
       common.name, common.sigma, P(common.p_value), common.max_shift_sigmas,
-      SharedErrorCause(common));
+      common.covered ? ", which the reported sigmas contain" : "", SharedErrorCause(common));
 }
 
 std::string Say(const facts::PriorContradicted& fact) {

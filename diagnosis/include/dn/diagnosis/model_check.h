@@ -47,6 +47,8 @@ struct UnmodelledEffects {
   /// Left rotation of the boresight, and the covariance added; zero without boresight.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+  /// The part of covariance_rad2 that is from noise beyond the stated one, not from effects.
+  Eigen::Matrix3d noise_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
   std::vector<EffectContribution> contributions;  ///< the largest first
   std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
