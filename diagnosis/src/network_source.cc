@@ -19,8 +19,8 @@ namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // number of tiles, and of outages
-// Replicates contain no outliers. A p-value of these below this level shows a gap on its own. Raw
-// inertial data with such a p-value are worth a note.
+// Replicates contain neither raw inertial samples nor outliers. A p-value of these two below this
+// level shows a gap on its own. Raw data alone with such a p-value are worth a note.
 constexpr double kCertain = 1e-3;
 constexpr double kTrajectoryStepS = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
@@ -49,11 +49,20 @@ std::optional<double> RootExcess(const Comparison& compared, double ResidualSumm
   return std::sqrt(std::max(0.0, value * value - usual * usual));
 }
 
-/// Returns the largest evidence of outliers, which replicates do not contain.
+/// Returns whether replicates lack the effect: they contain neither raw inertial samples nor
+/// outliers.
+bool OutsideReplicates(const EffectSpec& effect) {
+  const bool inertial = effect.sensor == EffectSensor::kImu ||
+                        effect.sensor == EffectSensor::kGyro ||
+                        effect.sensor == EffectSensor::kAccel;
+  return effect.kind == EffectKind::kOutliers || (effect.kind == EffectKind::kNoise && inertial);
+}
+
+/// Returns the largest evidence of inertial noise and outliers, which replicates do not contain.
 double NatsOutsideReplicates(const NetworkFit& fit) {
   double nats = 0.0;
   for (const HypothesisEvidence& effect : fit.effects) {
-    const bool outside = effect.physical() && EffectRow(*effect.id).kind == EffectKind::kOutliers;
+    const bool outside = effect.physical() && OutsideReplicates(EffectRow(*effect.id));
     if (outside) nats = std::max(nats, effect.log_evidence);
   }
   return nats;

@@ -26,7 +26,8 @@ GapShrinkage MakeShrinkage(double excess, double left, std::vector<double> devia
 }
 
 GapShrinkage OmnibusShrinkage(const GapEvidence& before, const GapEvidence& after) {
-  // A gap that shows only in outliers leaves the location statistics like those of replicates.
+  // A gap that shows only in raw data and outliers leaves the location statistics like those of
+  // replicates.
   if (before.test.p_omnibus > kVisible && after.test.p_omnibus > kVisible) {
     GapShrinkage shrinkage;
     shrinkage.fraction = shrinkage.interval_high = 1.0;

@@ -13,8 +13,8 @@ namespace dn::diagnosis_internal {
 /// the effects, from their mean.
 GapShrinkage MakeShrinkage(double excess, double left, std::vector<double> deviations);
 
-/// A flight compared with its replicates, and the log evidence of outliers, which the replicates do
-/// not contain.
+/// A flight compared with its replicates, and the log evidence of raw inertial noise and outliers,
+/// which the replicates do not contain.
 struct GapEvidence {
   const ReplicateTest& test;
   double outside_nats = 0.0;

@@ -29,6 +29,11 @@ constexpr double kMostLogStep = 5.0;
 constexpr double kNoEffect = 0.02;
 // Number of sizes of an inertial noise for which the network is evaluated.
 constexpr int kInertialSizes = 8;
+// Evidence of the residuals for an inertial noise from which on raw data add to it: the 5 % level
+// of a one-sided test.
+constexpr double kShownNats = 1.35;
+// Spread of the logarithms of the levels of axes and octaves: of a sensor, and of motion.
+constexpr double kSensorSpread = 0.03, kMotionSpread = 1.0;
 
 /// A variance component: rows of some channels, and the relative growth of their variances.
 struct Component {
@@ -40,6 +45,26 @@ struct Component {
   double centre = 1.0;              ///< centre of the prior of the size
   bool at_least_stated = false;     ///< the size cannot be below the stated one
 };
+
+/// Returns the evidence of a logarithm of two levels for a sensor, relative to motion.
+double EqualLevels(double log_ratio, double sigma) {
+  const auto log_density = [&](double spread) {
+    const double total = std::hypot(spread, sigma);
+    return -0.5 * std::pow(log_ratio / total, 2) - std::log(total);
+  };
+  return log_density(kSensorSpread) - log_density(kMotionSpread);
+}
+
+/// Returns the evidence that a noise is that of a sensor and not motion, nats: its axes and octaves
+/// have equal levels.
+double WhiteEvidence(const NoiseLevel& level) {
+  const auto& axes = level.axis_ratio;
+  const double sigma = std::sqrt(3.0) * level.sigma / level.ratio;
+  const double middle = std::log(axes[0] * axes[1]) / 2.0;
+  return EqualLevels(std::log(axes[0] / axes[1]), std::sqrt(2.0) * sigma) +
+         EqualLevels(std::log(axes[2]) - middle, std::sqrt(1.5) * sigma) +
+         EqualLevels(level.tilt, level.tilt_sigma);
+}
 
 /// Returns the log prior density of ln(size): normal distributions about ln(centre) of several
 /// spreads.
@@ -192,7 +217,7 @@ class Variances {
   /// Evidence of the raw data for an inertial noise, nats.
   struct RawEvidence {
     double against_stated = 0.0;
-    double against_not_white = 0.0;  ///< relative to noise that is not white, such as motion
+    double against_motion = 0.0;
   };
 
   /// Returns the evidence that the raw data show more or less noise than stated, white or not.
@@ -202,19 +227,18 @@ class Variances {
     const bool not_white = noise.not_white[triad] > 0.0;
     return {not_white ? std::max({raw.scale[triad], raw.coloured[triad], raw.unsteady[triad]})
                       : raw.scale[triad],
-            -noise.not_white[triad]};
+            WhiteEvidence(*check.level[triad])};
   }
 
   /// Compares a noise of the raw data with the residuals of the network. The raw data also show
-  /// motion. They can at most double the evidence of the residuals, as far as the noise is whiter
-  /// than motion.
+  /// motion. Only if the residuals show the noise, the raw data add that it is no motion.
   NetworkSupport Support(const RawEvidence& raw, const PreintegrationNoise& part,
                          const std::vector<double>& thetas) const {
     const Eigen::VectorXd share = InertialShare(network_, linearized_, part);
     if (!(share.maxCoeff() > 0.0)) return {};
     NetworkSupport support = FindNetworkSupport(linearized_, share, thetas, options_.threads);
-    if (support.of_raw_data && support.log_evidence > 0.0) {
-      support.log_evidence += std::clamp(raw.against_not_white, 0.0, support.log_evidence);
+    if (support.of_raw_data && support.log_evidence > kShownNats) {
+      support.log_evidence += std::max(0.0, raw.against_motion);
     }
     support.log_evidence = std::min(support.log_evidence, raw.against_stated);
     return support;
