@@ -124,8 +124,7 @@ MatrixXd UnmodelledUnknowns::AddedCovariance() const {
 
 MatrixXd UnmodelledUnknowns::Gain() const {
   MatrixXd gain = MatrixXd::Zero(score_.s.size(), score_.shift.rows());
-  const MatrixXd scaled = score_.shift(Eigen::all, components_) * sigma_.asDiagonal();
-  gain(components_, Eigen::all) = sigma_.asDiagonal() * (inverse_ * scaled.transpose());
+  gain(components_, Eigen::all) = covariance_ * score_.shift(Eigen::all, components_).transpose();
   return gain;
 }
 
