@@ -231,7 +231,7 @@ class Variances {
   }
 
   /// Compares a noise of the raw data with the residuals of the network. The raw data also show
-  /// motion. Only if the residuals show the noise, the raw data add that it is no motion.
+  /// motion. Only if the residuals show the noise, do the raw data add that it is not a motion.
   NetworkSupport Support(const RawEvidence& raw, const PreintegrationNoise& part,
                          const std::vector<double>& thetas) const {
     const Eigen::VectorXd share = InertialShare(network_, linearized_, part);

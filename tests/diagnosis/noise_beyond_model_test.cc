@@ -17,6 +17,7 @@ namespace dn::diagnosis_test {
 
 /// Rules out all unmodelled effects but one that moves nothing, so that only the noise counts.
 void RuleOutEffects(SimulatedFlight* sim) {
+  sim->flight.config.gnss->automatic_process = false;
   for (const EffectSpec& effect : EffectTable()) {
     if (!effect.fixed() || effect.id == EffectId::kGnssTimeDrift) continue;
     sim->flight.config.unmodelled.sizes.push_back({effect.id, {0.0}});

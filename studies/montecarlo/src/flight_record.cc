@@ -145,8 +145,8 @@ void AddErrors(const SimulatedFlight& simulated, const Solution& solution,
       Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
 }
 
-/// Returns the scenario with every effect of the prior of its flights and a time-correlated error of
-/// the GNSS positions, drawn with a factor.
+/// Returns the scenario with every effect of the prior of its flights and a time-correlated error
+/// of the GNSS positions, drawn with a factor.
 Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) {
   FlightConfig config;
   config.imu.emplace().model = scenario.imu.model;
