@@ -326,6 +326,8 @@ void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
   Flight flight = ReadFlight(config, {.trajectory = own});
   work.frame = flight.frame;
   GeoreferenceOptions& options = work.options;
+  options = StatedGeoreferencing(config, run->options().threads);
+  options.mounting.boresight_rad = boresight.angles_rad;
   if (adjusted != nullptr) {
     options.trajectory = *adjusted;
     work.config = WithTrajectory(config, (run->options().out / "trajectory.out").string());
@@ -333,12 +335,6 @@ void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
   } else {
     options.trajectory = std::move(*flight.trajectory);
   }
-  options.made_with = StripsGeoreferencing(config);
-  options.mounting = config.lidar->mounting;
-  options.mounting.boresight_rad = boresight.angles_rad;
-  options.time_span_s = config.time_span_s;
-  options.time_offset_s = config.lidar->time_offset_s;
-  options.threads = run->options().threads;
   GeoreferenceStrips(std::move(work), *run);
 }
 

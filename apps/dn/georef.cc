@@ -152,7 +152,15 @@ Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
           {"divergence_mrad", given.divergence_mrad}};
 }
 
-NewStrips Prepare(const GeorefOptions& given, Run& run) {
+/// Returns the trajectory that a network adjusted together with the boresight of --result; empty if
+/// there is none. Clouds are most consistent on this one.
+std::string AdjustedTrajectory(const std::string& file, const StoredBoresight& result) {
+  if (result.method != "dn") return {};
+  const fs::path beside = fs::path(file).parent_path() / kAdjustedTrajectory;
+  return fs::exists(beside) ? beside.string() : std::string();
+}
+
+NewStrips Prepare(GeorefOptions given, Run& run) {
   const FlightConfig config = ReadFlightConfig(given.flight, given.common.changes);
   ExpectGeoreferenceable(config);
   std::optional<Vector3d> boresight_rad;
@@ -160,6 +168,9 @@ NewStrips Prepare(const GeorefOptions& given, Run& run) {
   std::optional<StoredBoresight> result;
   if (!given.result.empty()) result = ReadResult(given.result);
   if (result) CheckVerdict(given, *result, run);
+  if (result && given.trajectory.empty()) {
+    given.trajectory = AdjustedTrajectory(given.result, *result);
+  }
   if (result && !boresight_rad) boresight_rad = result->angles_rad;
   const bool own = HasTrajectory(config);
   ExpectTrajectory(given, own);
@@ -171,32 +182,19 @@ NewStrips Prepare(const GeorefOptions& given, Run& run) {
   work.config = WithTrajectory(flight.config, given.trajectory);
   work.frame = flight.frame;
   GeoreferenceOptions& options = work.options;
+  options = StatedGeoreferencing(config, run.options().threads);
   options.trajectory = std::move(*flight.trajectory);
   if (own && !given.trajectory.empty()) {
     options.made_by =
         std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
   }
-  options.made_with = StripsGeoreferencing(config);
-  options.mounting = config.lidar->mounting;
   if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
-  options.time_span_s = config.time_span_s;
-  options.time_offset_s = config.lidar->time_offset_s;
-  options.threads = run.options().threads;
   if (given.covariance) options.errors = ReadErrors(given, work.config, result);
   work.covariance = CovarianceJson(given, work.config);
   return work;
 }
 
-/// Returns the trajectory that a network adjusted together with the boresight of --result; empty if
-/// there is none. Clouds are most consistent on this one.
-std::string AdjustedTrajectory(const std::string& result) {
-  if (result.empty() || ReadResult(result).method != "dn") return {};
-  const fs::path beside = fs::path(result).parent_path() / kAdjustedTrajectory;
-  return fs::exists(beside) ? beside.string() : std::string();
-}
-
-void RunGeoref(GeorefOptions given, Run& run) {
-  if (given.trajectory.empty()) given.trajectory = AdjustedTrajectory(given.result);
+void RunGeoref(const GeorefOptions& given, Run& run) {
   NewStrips work = Prepare(given, run);
   run.report()["counts"] = Json::object();
   run.report()["flight"] = work.config.name;

@@ -111,6 +111,16 @@ void ExpectGeoreferenceable(const FlightConfig& config) {
   }
 }
 
+GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads) {
+  GeoreferenceOptions options;
+  options.made_with = StripsGeoreferencing(config);
+  options.mounting = config.lidar->mounting;
+  options.time_span_s = config.time_span_s;
+  options.time_offset_s = config.lidar->time_offset_s;
+  options.threads = threads;
+  return options;
+}
+
 void GeoreferenceStrips(NewStrips work, Run& run) {
   run.ReadsStrips();
   const FlightConfig& config = work.config;

@@ -16,6 +16,9 @@ struct NewStrips {
   Json covariance = nullptr;  ///< origin of the covariances, for georef.json
 };
 
+/// Returns what the configuration says of georeferencing; the trajectories are left out.
+GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads);
+
 /// Throws InvalidConfig if the flight has no scanner or its points are in an unknown system.
 void ExpectGeoreferenceable(const FlightConfig& config);
 
