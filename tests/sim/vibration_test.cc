@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "sim/rates_are_derivatives.h"
 #include "sim/small_scenario.h"
 
 namespace dn::sim_test {
@@ -72,27 +73,9 @@ TEST(Vibration, LinesAppearInTheImuAsMeansOverItsIntervals) {
 
 TEST(Vibration, RatesAreDerivativesOfTheShakenPose) {
   const SimulatedFlight flight = FlyShaken(*VibrationPreset("helicopter"), 50.0);
-  const TruthTrajectory& truth = *flight.truth;
-  constexpr double kStep_s = 1.0 / 16384.0;
   // Errors of fourth-order differences for 300 Hz, and rounding of the time and the position.
-  constexpr double kVelocity_mps = 1e-4, kAcceleration_mps2 = 1e-2, kRate_radps = 1e-6;
-  const auto difference = [](auto at, double t_s) -> Vector3d {
-    return (8.0 * (at(t_s + kStep_s) - at(t_s - kStep_s)) -
-            (at(t_s + 2.0 * kStep_s) - at(t_s - 2.0 * kStep_s))) /
-           (12.0 * kStep_s);
-  };
-  for (double t_s = truth.t_begin_s() + 1.0; t_s < truth.t_end_s() - 1.0; t_s += 1.25) {
-    SCOPED_TRACE(t_s);
-    const TruthState state = truth.State(t_s);
-    const Vector3d v = difference([&](double t) { return truth.Pose(t).p_mb; }, t_s);
-    const Vector3d a = difference([&](double t) { return truth.Pose(t).v_m; }, t_s);
-    const Vector3d w = difference(
-        [&](double t) { return Log<double>(state.pose.q_mb.conjugate() * truth.Pose(t).q_mb); },
-        t_s);
-    EXPECT_LT((v - state.pose.v_m).norm(), kVelocity_mps);
-    EXPECT_LT((a - state.a_m).norm(), kAcceleration_mps2);
-    EXPECT_LT((w - state.w_mb_b).norm(), kRate_radps);
-  }
+  ExpectRatesAreDerivatives(*flight.truth, 1.0 / 16384.0,
+                            {.velocity_mps = 1e-4, .acceleration_mps2 = 1e-2, .rate_radps = 1e-6});
 }
 
 /// Strapdown integration of the samples of a span in the inertial frame that coincides with m at
