@@ -25,7 +25,7 @@ MatrixXd Symmetric(const MatrixXd& A) { return 0.5 * (A + A.transpose()); }
 Eigen::LLT<MatrixXd> FactorInPriorUnits(const MatrixXd& A, const VectorXd& sigma) {
   MatrixXd scaled = sigma.asDiagonal() * Symmetric(A) * sigma.asDiagonal();
   scaled.diagonal().array() += 1.0;
-  return Eigen::LLT<MatrixXd>(std::move(scaled));
+  return Eigen::LLT<MatrixXd>(scaled);
 }
 
 /// Returns the scores of all components if some of them are unknowns with the prior `sigma`.
@@ -143,8 +143,7 @@ VectorXd UnmodelledUnknowns::EstimateBeside(const VectorXd& others) const {
 
 JointScore UnmodelledUnknowns::Conditioned() const {
   if (empty()) return score_;
-  const JointScore left =
-      fixed_.empty() ? score_ : ConditionOnPrior(score_, fixed_, sigma_, inverse_);
+  JointScore left = fixed_.empty() ? score_ : ConditionOnPrior(score_, fixed_, sigma_, inverse_);
   if (!process_) return left;
   const Eigen::LLT<MatrixXd> llt =
       FactorInPriorUnits(left.A(coefficients_, coefficients_), process_->prior_sigma);
