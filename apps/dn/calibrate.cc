@@ -15,6 +15,7 @@
 #include "flight_run.h"
 #include "given_trajectory.h"
 #include "new_strips.h"
+#include "noise_output.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -126,6 +127,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintClocks(flight_run.solution->model_check().clocks);
+  PrintNoise(flight_run.noise);
   PrintAssessment(boresight);
   fmt::print("{}", ContributionsSummary(boresight));
   PrintUndetectable(flight_run.solution->model_check().undetectable);
@@ -302,10 +304,12 @@ void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* 
   AddTrajectoryFiles(flight_run, run);
   AddSwaths(flight_run.flight, network.pairs, network.poses, run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
-  const std::string result = FormatJson(
+  Json json =
       CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
                       flight_run.solution->trajectory(), flight_run.solution->model_check(),
-                      network.boresight, network.unknowns, network.pairs, flight_run.timings));
+                      network.boresight, network.unknowns, network.pairs, flight_run.timings);
+  json["noise"] = NoiseJson(flight_run.noise);
+  const std::string result = FormatJson(json);
   run->AddFile("result" + suffix + ".json", result);
   if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use
   FillReport(flight_run, run);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "command.h"
+#include "noise_output.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -107,7 +108,14 @@ void FillReport(const GapArguments& options, const Flight& flight, const GapDiag
 
 void RunGap(const GapArguments& options, Run& run) {
   const GapOptions gap = DiagnosisOptions(options, &run);
-  const Flight flight = Read(options, &run);
+  Flight flight = Read(options, &run);
+  if (flight.imu && flight.gnss && !options.limits) {
+    AdjustOptions adjust;
+    adjust.with_pairs = flight.pairs.has_value();
+    adjust.threads = run.options().threads;
+    adjust.interrupted = gap.interrupted;
+    run.report()["noise"] = NoiseJson(EstimateUnknownNoise(adjust, &flight, &run));
+  }
   const GapResult result = Diagnose(flight, gap);
   const GapDiagnosis& diagnosis = result.diagnosis;
   run.progress().Stage("writing " + options.common.out.string());

@@ -306,15 +306,13 @@ std::string FormatBiases(const std::vector<BiasEstimate>& biases) {
   return text;
 }
 
-Json ReferenceErrorsJson(const FlightNetwork& network) {
-  const Flight& flight = network.flight();
+Json ReferenceErrorsJson(const Flight& flight, const std::vector<MapPose>& poses) {
   if (!flight.reference) return nullptr;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d attitude = Eigen::Vector3d::Zero();
   double n = 0.0;
-  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
-    const MapPose pose = network.trajectory().NodePose(k);
+  for (const MapPose& pose : poses) {
     if (!flight.reference->Covers(pose.t_s)) continue;
     const MapPose truth = flight.reference->MapPoseAt(pose.t_s, flight.frame);
     const Eigen::Matrix3d R_enu_m = flight.frame.R_m_enu(truth.p_mb).transpose();

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "damaged_flight.h"
+#include "load_json.h"
 
 namespace dn::testing::apps_test {
 
@@ -280,6 +281,31 @@ TEST(CliInit, AFolderWithoutDataIsRefused) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("no file in"));
   EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
+}
+
+TEST(OwnData, NoiseWithoutADataSheetIsEstimatedAndListed) {
+  const DamagedFlight flight;
+  const ProgramRun smooth = flight.Run("smooth", {"--set", "imu.grade=unknown"});
+  EXPECT_EQ(smooth.exit_code, 0) << smooth.err;
+  EXPECT_THAT(smooth.out, HasSubstr("noise estimated from the data"));
+  const Json noise = LoadJson(flight.out() / "smooth.json")["noise"];
+  ASSERT_GE(noise.size(), 4u);
+  EXPECT_EQ(noise[0]["name"], "imu.gyro.white");
+  EXPECT_GT(noise[0]["sigma"].get<double>(), 0.0);
+  EXPECT_TRUE(LoadJson(SmoothResult() / "smooth.json")["noise"].is_null());
+}
+
+TEST(OwnData, ADesignNeedsFiguresOfTheNoise) {
+  const DamagedFlight flight;
+  flight.Replace("flight.yaml", "grade: \"airins\"", "grade: unknown");
+  EXPECT_EQ(flight.Run("study", {"--no-remedies", "--no-limits"}).exit_code, 0);
+  std::string text = flight.Read("flight.yaml");
+  const std::size_t figures = text.find("  gyro:\n");
+  text.erase(figures, text.find("  vibration:") - figures);
+  flight.Write("flight.yaml", text);
+  const ProgramRun without = flight.Run("study");
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("imu.gyro and imu.accel"));
 }
 
 }  // namespace dn::testing::apps_test

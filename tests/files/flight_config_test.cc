@@ -1,4 +1,5 @@
 #include <dn/files/flight_config.h>
+#include <dn/imu/unknown_imu.h>
 
 #include <cmath>
 
@@ -347,6 +348,18 @@ TEST(FlightConfig, OverridesAPresetBySensorAndPart) {
 
 TEST(FlightConfig, KeepsThePresetsSourceWhenNothingIsOverridden) {
   EXPECT_EQ(Parse("imu: {grade: airins}").imu->model.source, ImuPreset("airins").source);
+}
+
+TEST(FlightConfig, AnUnknownGradeStartsWithTheStatedFigures) {
+  const FlightConfig bare = Parse("imu: {grade: unknown}");
+  EXPECT_EQ(bare.imu->grade, kUnknownGrade);
+  EXPECT_EQ(bare.imu->model.gyro.white, UnknownImu().gyro.white);
+  const FlightConfig stated = Parse("imu: {grade: unknown, gyro: {white_deg_sqrt_h: 0.002}}");
+  EXPECT_NEAR(stated.imu->model.gyro.white, 0.002 * kDeg / 60.0, kRelative);
+  ExpectRoundTrip(stated);
+  // The class follows from the noise, as without a grade.
+  EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(bare).Sigma(EffectId::kGyroMisalignment)[0], 0.2e-3);
+  EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(stated).Sigma(EffectId::kGyroMisalignment)[0], 0.03e-3);
 }
 
 const char* const kForwardLeftUp = R"(

@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/files/effect_times.h>
+#include <dn/imu/unknown_imu.h>
 #include <dn/names.h>
 
 #include <filesystem>
@@ -135,7 +136,8 @@ ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key) {
   if (named) {
     const std::string name = ReadName(named);
     try {
-      preset = ImuPreset(name);
+      const bool unknown = preset_key == "grade" && name == kUnknownGrade;
+      preset = unknown ? UnknownImu() : ImuPreset(name);
     } catch (const InvalidConfig& e) {
       named.Fail(e.what());
     }

@@ -18,15 +18,20 @@ namespace dn {
 /// Change of a node of the trajectory by effects that the model leaves out.
 struct NodeChange {
   double t_s = 0.0;
-  Eigen::Vector3d position_m;    ///< correction, map axes
-  Eigen::Vector3d velocity_mps;  ///< correction, map axes
-  Eigen::Vector3d attitude_rad;  ///< right rotation: q_mb' = q_mb Exp(attitude)
+  Eigen::Vector3d position_m;                        ///< correction, map axes
+  Eigen::Vector3d velocity_mps;                      ///< correction, map axes
+  Eigen::Vector3d attitude_rad;                      ///< right rotation: q_mb' = q_mb Exp(attitude)
+  Eigen::Vector3d gyro_bias_radps, accel_bias_mps2;  ///< corrections of the total biases
   /// Variances added: east, north, up; roll, pitch, heading.
   Eigen::Vector3d velocity_variance_enu, rph_variance_rad2;
   Eigen::Matrix3d position_covariance_m2, velocity_covariance;  ///< added, map axes
+  Eigen::Matrix3d gyro_bias_covariance, accel_bias_covariance;  ///< added, (rad/s)^2, (m/s^2)^2
   /// G with the joint covariance G_i G_j^T that is added to the poses of nodes i and j: position
   /// east, north, up (m), attitude in body (rad).
   Eigen::Matrix<double, 6, Eigen::Dynamic> pose_root;
+
+  /// Applies the corrections of position, velocity and attitude to a pose.
+  void MovePose(MapPose* pose) const;
 };
 
 /// Effects that the model leaves out, as unknowns with their priors: the change of the results that
