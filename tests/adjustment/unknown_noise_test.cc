@@ -75,6 +75,28 @@ TEST(UnknownNoise, GnssSigmasGrowAndStatedFiguresAreTheStart) {
   EXPECT_NEAR(sizes.at("imu.gyro.white").start, 0.5, 1e-12);
 }
 
+// With the stated noise, the sensors contradict each other; that is no reason to give up here.
+TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
+  SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
+  sim.flight.config.imu->grade = kUnknownGrade;
+  double sign = 1.0;
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) epoch.p_m.x() += 1.2 * (sign = -sign);
+  EXPECT_THROW(Adjust(sim.flight), SensorsContradict);
+  // One axis of three has errors of 80 sigmas.
+  const auto sizes = ByName(EstimateNoise({}, &sim.flight));
+  EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 80.0 / std::sqrt(3.0), 8.0);
+}
+
+// The accelerometers of this flight show nothing of their white noise.
+TEST(UnknownNoise, MayBeTenTimesTheStatedOne) {
+  SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
+  ImuModel& stated = sim.flight.config.imu->model;
+  const double truth = stated.gyro.white;
+  stated.gyro.white *= 0.1;
+  EstimateNoise({}, &sim.flight);
+  EXPECT_NEAR(stated.gyro.white / truth, 1.0, 0.4);
+}
+
 TEST(UnknownNoise, IsThatOfFlightsWithoutDataSheet) {
   SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
   EXPECT_FALSE(HasUnknownNoise(sim.flight.config));

@@ -90,6 +90,32 @@ TEST(Page, WhatIsAbsentIsADash) {
   }
 }
 
+TEST(Page, ACalibrationPrintsACertificate) {
+  Json report = Report();
+  report["inputs"] = {{{"file", "IMU.txt"}, {"bytes", 10}, {"sha256", std::string(64, 'a')}}};
+  Json result = Result("dn", 0.2, 0.001);
+  result["assessment"] = {{"verdict", "absorbed"}, {"reasons", {"a poor trajectory"}}};
+  const Folder folder("result.json", result, report);
+  folder.Write("config.resolved.yaml",
+               "imu: {grade: airins}\ngnss: {lever_arm_m: [0.25, -0.5, -1.75]}\n");
+  const Document page = MakePage(folder.path());
+  ASSERT_EQ(page.certificate.size(), 2u);
+  const auto& verdict = page.certificate[0].contents;
+  EXPECT_THAT(std::get<Paragraph>(verdict[0]).text, HasSubstr("absorbed"));
+  EXPECT_EQ(std::get<Paragraph>(verdict[1]).text, "a poor trajectory");
+  const Table& angles = std::get<Table>(verdict[2]);
+  EXPECT_EQ(NumberAt(angles, 0, 1), 0.2);
+  EXPECT_EQ(NumberAt(angles, 1, 3), 0.001);
+  const std::string html = ToHtml(page);
+  EXPECT_THAT(html, HasSubstr("class=\"certified\""));
+  for (const char* text : {"airins", "0.25, -0.5, -1.75", "IMU.txt"}) {
+    EXPECT_THAT(html.substr(html.find("class=\"certificate\"")), HasSubstr(text));
+  }
+  EXPECT_THAT(html, HasSubstr(std::string(64, 'a')));
+  EXPECT_THAT(ToHtml(MakePage(Folder("smooth.json", {{"flight", "x"}}).path())),
+              Not(HasSubstr("class=\"certificate\"")));
+}
+
 TEST(Page, AFlightWithAHostileNameStaysAName) {
   Json result = Result("dn", 0.2, 0.001);
   result["flight"] = "</title><script>alert(1)</script>";

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calibration.h"
+#include "certificate.h"
 #include "sections.h"
 
 namespace dn::page_internal {
@@ -225,6 +226,7 @@ Document CalibrationPage(const ResultFolder& folder) {
   Append(BiasSection(folder), &document);
   Append(StatisticsSection(folder.report()["innovations"], folder.report()["residuals"]),
          &document);
+  document.certificate = Certificate(folder, all.front());
   return document;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace dn {
@@ -17,6 +18,9 @@ constexpr int kMostRounds = 8;
 constexpr double kSmallestChange = 0.03;
 // Degrees of freedom of the prior of a variance.
 constexpr double kPriorDof = 1.0;
+// Sensors that contradict each other at the start sizes are tried with sizes twice as large, at
+// most this often.
+constexpr int kMostDoublings = 3;
 
 /// Redundancy and sum of squares of some residuals.
 struct Misfit {
@@ -53,6 +57,11 @@ class ScaledSizes {
   void Add(std::string name, std::string unit, double unit_si, double* value) {
     if (*value > 0.0) sizes_.push_back({std::move(name), std::move(unit), unit_si, *value, value});
   }
+
+  void Double() { Scale(2.0 * factor_); }
+
+  /// Undoes the last change.
+  void GoBack() { Scale(last_factor_); }
 
   /// Takes the residuals of an adjustment with the present sizes. Returns the relative change.
   double Update(const std::map<std::string, Misfit>& misfits) {
@@ -97,7 +106,7 @@ class ScaledSizes {
 
   double Scale(double factor) {
     const double change = std::abs(factor / factor_ - 1.0);
-    factor_ = factor;
+    last_factor_ = std::exchange(factor_, factor);
     for (const Size& size : sizes_) *size.value = factor * size.start;
     return change;
   }
@@ -105,7 +114,7 @@ class ScaledSizes {
   std::vector<std::string> channels_;
   double smallest_factor_;
   std::vector<Size> sizes_;
-  double factor_ = 1.0, redundancy_ = 0.0;
+  double factor_ = 1.0, last_factor_ = 1.0, redundancy_ = 0.0;
 };
 
 /// Units of the noise of a triad in flight.yaml, in SI.
@@ -167,6 +176,22 @@ void StartAtRawLevel(const ImuData& imu, ImuModel* model) {
   }
 }
 
+/// Returns the misfits with the start sizes, or with larger ones if the sensors contradict each
+/// other with those. Throws the first exception if they still do.
+std::map<std::string, Misfit> FirstMisfits(const Flight& flight, const AdjustOptions& options,
+                                           std::vector<ScaledSizes>* all) {
+  std::optional<SensorsContradict> first;
+  for (int doublings = 0; doublings <= kMostDoublings; ++doublings) {
+    try {
+      return ChannelMisfits(Adjust(flight, options), options.threads);
+    } catch (const SensorsContradict& e) {
+      if (!first) first.emplace(e);
+      for (ScaledSizes& sizes : *all) sizes.Double();
+    }
+  }
+  throw SensorsContradict(*first);
+}
+
 }  // namespace
 
 bool HasUnknownNoise(const FlightConfig& config) {
@@ -177,12 +202,19 @@ NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
   StartAtRawLevel(*flight->imu, &flight->config.imu->model);
   std::vector<ScaledSizes> all = EstimatedSizes(&flight->config);
   NoiseSizes found;
-  while (!found.converged && found.rounds < kMostRounds) {
-    const auto misfits = ChannelMisfits(Adjust(*flight, options), options.threads);
+  std::map<std::string, Misfit> misfits = FirstMisfits(*flight, options, &all);
+  while (true) {
+    ++found.rounds;
     double change = 0.0;
     for (ScaledSizes& sizes : all) change = std::max(change, sizes.Update(misfits));
     found.converged = change < kSmallestChange;
-    ++found.rounds;
+    if (found.converged || found.rounds == kMostRounds) break;
+    try {
+      misfits = ChannelMisfits(Adjust(*flight, options), options.threads);
+    } catch (const SensorsContradict&) {
+      for (ScaledSizes& sizes : all) sizes.GoBack();
+      break;
+    }
   }
   for (ScaledSizes& sizes : all) {
     sizes.TakeMean();

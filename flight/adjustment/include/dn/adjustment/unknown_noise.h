@@ -43,6 +43,8 @@ bool HasUnknownNoise(const FlightConfig& config);
 /// with a new adjustment in each round. gnss.sigma_scale does not fall below its start value: the
 /// residuals do not show errors that positions share over minutes.
 ///
+/// If the sensors contradict each other with the start sizes, larger ones are tried first.
+///
 /// Throws as Adjust does.
 NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight);
 
