@@ -126,7 +126,7 @@ class GeoreferenceStrip : public ::testing::Test {
 
 TEST_F(GeoreferenceStrip, ANewBoresightMovesLasPointsWhereItSays) {
   const std::vector<double> epochs_s = Epochs(40);
-  for (const char* name : {"map", "utm:32n", "ecef"}) {
+  for (const char* name : {"map", "utm:32n", "ecef", "epsg:2056", "epsg:25832 heights:ft"}) {
     SCOPED_TRACE(name);
     const PointCrs crs(name, survey_.motion.frame);
     folder_.Write("strip.las", Las(survey_, crs, epochs_s));

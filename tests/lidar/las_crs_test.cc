@@ -58,7 +58,24 @@ TEST(LasCrs, GeoTiffKeys) {
   const StripCrs degrees = ReadCrs({GeoKeys({{1024, 0, 1, 2}, {2048, 0, 1, 4326}})});
   EXPECT_EQ(degrees.name, "");
   EXPECT_EQ(degrees.epsg, 4326);
-  EXPECT_EQ(ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 3005}})}).name, "");
+}
+
+TEST(LasCrs, GeoTiffKeysOfAnyProjectedSystem) {
+  const auto name = [](const std::vector<std::array<std::uint16_t, 4>>& keys) {
+    return ReadCrs({GeoKeys(keys)}).name;
+  };
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 3005}}), "epsg:3005");
+  // California zone 3 is in US survey feet.
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 2227}, {3076, 0, 1, 9003}}), "epsg:2227");
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 2227}, {4099, 0, 1, 9003}}),
+            "epsg:2227 heights:us-ft");
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 32632}, {4099, 0, 1, 9002}}), "utm:32n heights:ft");
+  EXPECT_FALSE(ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 2227}})}).in_metres);
+  ExpectInvalidIn(
+      [&] {
+        name({{1024, 0, 1, 1}, {3072, 0, 1, 32632}, {3076, 0, 1, 9003}});
+      },
+      "the coordinates of the points are not in metres", "strip.las");
 }
 
 TEST(LasCrs, BrokenGeoTiffKeys) {

@@ -15,9 +15,13 @@ struct StripCrs {
   std::optional<int> epsg;  ///< EPSG code of the horizontal or three-dimensional system
   std::string
       text;  ///< name or well-known text of the system; empty: the file does not state a system
-  std::string name;  ///< name in strips_crs of flight.yaml: utm:32n, ecef; else empty
-  /// The file names a vertical system: heights are not ellipsoidal.
+  /// Name in strips_crs of flight.yaml: utm:32n, ecef, epsg:2056, wkt:TEXT; empty if PROJ does not
+  /// know the system.
+  std::string name;
+  /// The heights refer to a geoid, and `name` does not contain the transformation.
   bool heights_from_geoid = false;
+  std::string why_not = {};  ///< why it does not
+  bool in_metres = true;     ///< false: coordinates or heights have another unit, as `name` says
 };
 
 /// Writes points to a file. The file appears under its name only when it is complete.

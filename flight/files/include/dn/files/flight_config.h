@@ -117,7 +117,8 @@ struct FlightConfig {
   std::optional<Eigen::Vector2d> time_span_s;
   std::vector<StripInterval> strips;
   std::string strips_crs = "map";
-  std::optional<ImuConfig> imu;  ///< absent: flight.yaml has no section imu
+  bool strips_crs_stated = false;  ///< false: the headers of the strips may name another system
+  std::optional<ImuConfig> imu;    ///< absent: flight.yaml has no section imu
   std::optional<GnssConfig> gnss;
   std::optional<LidarConfig> lidar;
   std::optional<TrajectoryConfig> trajectory;
