@@ -51,6 +51,29 @@ double NumberAt(const Table& table, std::size_t row, std::size_t column) {
   return std::get<Number>(table.rows.at(row).at(column).content).value;
 }
 
+TEST(Page, ShowsTheAnglesOfSeveralFlights) {
+  Json result = Result("dn", 0.2, 0.001);
+  result["flights"] = Json::array();
+  for (const double roll_deg : {0.2, 0.203, 0.199}) {
+    result["flights"].push_back({{"flight", "monday"},
+                                 {"angles_deg", {roll_deg, 0.03, 0.35}},
+                                 {"sigma_deg", {0.002, 0.003, 0.004}},
+                                 {"change_deg", {roll_deg - 0.2, 0, 0}},
+                                 {"change_sigma_deg", {0.002, 0.003, 0.004}}});
+  }
+  result["excluded"] = {{{"flight", "friday"}, {"reason", "absorbed"}}};
+  result["stability"] = {{"likeliest_change", {{"kind", "from_flight_on"}, {"flight", "monday"}}}};
+  const Document page = MakePage(Folder("result.json", result).path());
+  EXPECT_EQ(page.headlines.front().word, "calibrated");
+  const Chart& roll = std::get<Chart>(page.sections.front().contents.front());
+  const std::vector<Curve>& curves = std::get<SeriesChart>(roll).curves;
+  ASSERT_EQ(curves.size(), 2u);
+  EXPECT_THAT(curves[0].x, ::testing::ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_DOUBLE_EQ(curves[0].high[1], 0.207);
+  EXPECT_DOUBLE_EQ(curves[1].low[0], 0.198);  // of all flights
+  EXPECT_THAT(ToText(page), HasSubstr("friday"));
+}
+
 TEST(Page, SaysOfEveryVerdictWhetherToRelyOnIt) {
   const std::pair<const char*, Tone> verdicts[] = {{"calibrated", Tone::kGood},
                                                    {"absorbed", Tone::kDoubtful},

@@ -95,6 +95,8 @@ Table AdjustmentTable(const Facts& adjustment);
 
 // Pages of the commands.
 Document CalibrationPage(const ResultFolder& folder);
+/// Returns the page of a calibration with several flights.
+Document FleetPage(const ResultFolder& folder);
 Document SmoothPage(const ResultFolder& folder);
 Document GapPage(const ResultFolder& folder);
 Document StudyPage(const ResultFolder& folder);

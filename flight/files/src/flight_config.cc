@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/files/across.h>
 #include <dn/files/flight_config.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/point_crs.h>
@@ -138,8 +139,8 @@ std::string FolderName(const fs::path& folder) {
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
   root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
-                  "imu", "gnss", "lidar", "trajectory", "gh", "unmodelled", "estimate", "network",
-                  "unexplained"});
+                  "imu", "gnss", "lidar", "trajectory", "gh", "unmodelled", "estimate", "across",
+                  "network", "unexplained"});
   FlightConfig config;
   config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(files_internal::BodyWords());
@@ -154,6 +155,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
     config.unmodelled = files_internal::ReadUnmodelled(root["unmodelled"]);
   }
   if (root["estimate"]) config.estimate = files_internal::ReadEstimate(root["estimate"]);
+  ParseAcross(root["across"]);  // belongs to several flights; here it is only checked
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
@@ -198,6 +200,11 @@ FlightConfig ReadFlightConfig(const fs::path& folder_or_file,
   const std::string stated = FindStripsCrs(config.folder);
   if (!stated.empty()) config.strips_crs = stated;
   return config;
+}
+
+AcrossConfig ReadAcross(const std::filesystem::path& folder_or_file) {
+  const fs::path file = ConfigFile(folder_or_file);
+  return ParseAcross(ParseYaml(ReadText(file), file.string())["across"]);
 }
 
 }  // namespace dn
