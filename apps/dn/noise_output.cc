@@ -9,7 +9,7 @@ namespace {
 // Noise that has grown more than this may be an error that the model leaves out.
 constexpr double kUsualGrowth = 5.0;
 
-void WarnOfGrowth(const NoiseSize& size, Run* run) {
+void WarnIfGrown(const NoiseSize& size, Run* run) {
   if (!size.name.ends_with(".white") || size.value <= kUsualGrowth * size.start) return;
   run->progress().Warn(
       fmt::format("the residuals need {} of {}, {:.0f} times its start: an error that the model "
@@ -34,7 +34,7 @@ std::optional<NoiseSizes> EstimateUnknownNoise(AdjustOptions options, Flight* fl
                     "state the figures of a data sheet (imu.gyro, imu.accel)",
                     noise.rounds));
   }
-  for (const NoiseSize& size : noise.sizes) WarnOfGrowth(size, run);
+  for (const NoiseSize& size : noise.sizes) WarnIfGrown(size, run);
   return noise;
 }
 

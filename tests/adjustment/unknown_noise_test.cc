@@ -75,7 +75,7 @@ TEST(UnknownNoise, GnssSigmasGrowAndStatedFiguresAreTheStart) {
   EXPECT_NEAR(sizes.at("imu.gyro.white").start, 0.5, 1e-12);
 }
 
-// With the stated noise, the sensors contradict each other; that is no reason to give up here.
+// With the stated noise, the sensors contradict each other. Here this does not end the work.
 TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
   SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
   sim.flight.config.imu->grade = kUnknownGrade;

@@ -57,7 +57,7 @@ Object CreateTransformation(const PJ* crs, bool guess) {
   return Object(proj_normalize_for_visualization(Context(), plain.get()));
 }
 
-/// What prevents the best transformation.
+/// Accuracies of the transformations that are possible now, and with all grids.
 struct Alternatives {
   double available_m = HUGE_VAL;  ///< accuracy of the best one that is possible
   double missing_m = HUGE_VAL;    ///< accuracy of the best one that needs a missing grid

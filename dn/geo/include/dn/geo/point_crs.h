@@ -34,8 +34,8 @@ struct NamedCrs {
   bool in_metres = true;  ///< false: coordinates or heights have another unit
 };
 
-/// Returns the name of the system of a code ("EPSG:2056", "EPSG:25832+7837") or of well-known text.
-/// `height_unit_m` is the length of a unit of the heights if the file states it elsewhere.
+/// Returns the name of the system of a code ("EPSG:2056", "EPSG:25832+7837") or of well-known
+/// text. `height_unit_m` is the length of a unit of the heights if the file states it elsewhere.
 NamedCrs NameCrs(const std::string& definition, std::optional<double> height_unit_m = {});
 
 /// Returns metres per unit of the horizontal coordinates of a code or of well-known text; nullopt
@@ -45,17 +45,16 @@ std::optional<double> CrsUnitM(const std::string& definition);
 /// The coordinate system c of the points of a strip:
 ///
 ///   map            the mapping frame m
-///   utm:32n        grid east, grid north (with the false origin 500 km, 0 or 10000 km), ellipsoidal
-///                  height, on WGS84
+///   utm:32n        grid east, grid north (with the false origin 500 km, 0 or 10000 km),
+///                  ellipsoidal height, on WGS84
 ///   ecef           geocentric x, y, z on WGS84
 ///   epsg:2056      any projected system of the EPSG register; epsg:25832+7837 with a vertical one.
 ///                  Without a vertical system, heights are ellipsoidal
 ///   wkt:TEXT       well-known text of a projected system
 ///
 /// in m, and in the units of the system for epsg: and wkt:. The ending " heights:ft" or
-/// " heights:us-ft" states another unit of the heights. Coordinates of systems with the ellipsoid of
-/// WGS84 or GRS80 are taken as coordinates on WGS84. Copies share their data; every method is
-/// thread-safe.
+/// " heights:us-ft" states another unit of the heights. Systems with the ellipsoid of WGS84 or
+/// GRS80 count as systems on WGS84. Copies share their data; every method is thread-safe.
 class PointCrs {
  public:
   /// Creates the system. Throws InvalidConfig for any other name, including `none`, for a code that
