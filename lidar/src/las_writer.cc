@@ -228,7 +228,7 @@ void LasWriter::MoveTail() {
     const auto begin = LoadLittleEndian<std::uint64_t>(head_.data() + at);
     if (begin >= las_.points_end()) Store(at, begin - las_.points_end() + end);
   };
-  if (las_.minor >= 3) move(las::kWaveformAt);
+  if (las_.has_waveform_field()) move(las::kWaveformAt);
   if (las_.minor >= 4) move(las::kEvlrAt);
 }
 

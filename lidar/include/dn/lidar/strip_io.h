@@ -70,16 +70,16 @@ class StripReader {
                                                   const StripAdditions& additions) const = 0;
 };
 
-/// Opens a strip. The file name extension selects the format:
+/// Opens a strip. The content selects the format:
 ///
-///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes. Both kinds of GPS time
+///   LAS     ASPRS LAS 1.0 to 1.4, point formats 0 to 10, with extra bytes. Both kinds of GPS time
 ///           are read; "adjusted standard" time is converted to seconds of week, counted from the
 ///           beginning of the week of the first point. Laser vectors are extra bytes named ux, uy,
 ///           uz [m]. The coordinate system is read from GeoTIFF keys and well-known text.
-///   .txt    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
+///   text    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
 ///           (upper triangle xx, xy, xz, yy, yz, zz)
 ///
-/// Throws InvalidInput, with the file and the remedy, for LAZ and for any other extension. The
+/// Throws InvalidInput, with the file and the remedy, for LAZ and for any other binary file. The
 /// reader throws it for a header that contradicts itself, its records or the file size, and for
 /// coordinates that are not in metres. It also throws for a time that is not a second of week, and
 /// for a laser vector shorter than 1 mm or longer than 50 km.
