@@ -34,7 +34,8 @@ constexpr double kRateTolerance = 0.01;
 CLI::Validator ColumnName() {
   const auto check = [](const std::string& name) {
     try {
-      CheckColumnNames(name == "t" ? ColumnNames{name} : ColumnNames{"t", name}, ImuQuantities());
+      const bool is_time = HasColumn({name}, "t");
+      CheckColumnNames(is_time ? ColumnNames{name} : ColumnNames{"t", name}, ImuQuantities());
     } catch (const InvalidInput& error) {
       return std::string(error.what());
     }

@@ -12,8 +12,9 @@ std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file) {
   const std::string beginning = ReadBeginning(file, kSampleBytes);
   if (beginning.starts_with("LASF")) return std::make_unique<lidar_internal::LasReader>(file);
   if (!IsBinary(beginning)) return std::make_unique<lidar_internal::StripTextReader>(file);
-  throw InvalidInput("strips must be LAS, or text of t, x, y, z, ux, uy, uz; this is neither",
-                     FileLocation{file.string()});
+  throw InvalidInput(
+      "strips must be LAS or LAZ, or text of t, x, y, z, ux, uy, uz; this is neither",
+      FileLocation{file.string()});
 }
 
 }  // namespace dn

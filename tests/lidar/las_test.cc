@@ -381,7 +381,7 @@ TEST(LasHeader, ReportsFalseStatements) {
     ExpectRefusedWith(las, at, value, what);
   };
   ExpectRefused("", "no rows of numbers");
-  ExpectRefused(std::string(300, 'x'), "does not begin with LASF");
+  ExpectRefused(std::string(300, 'x'), "is not a number");
   with(25, std::uint8_t{5}, "version 1.5 (byte 24) is not supported");
   with(24, std::uint8_t{2}, "version 2.2 (byte 24) is not supported");
   with(94, std::uint16_t{100}, "the header size (byte 94) is 100");
@@ -392,7 +392,9 @@ TEST(LasHeader, ReportsFalseStatements) {
   with(227 + 20, std::uint16_t{65535}, "variable length record 1 of 2");
   with(104, std::uint8_t{6},
        "point format 6 (byte 104) is not supported: version 1.2 allows 0 to 3");
-  with(104, std::uint8_t{129}, "compressed (LAZ)");
+  with(104, std::uint8_t{129},
+       "the points are compressed, but the record that says how is missing");
+  with(104, std::uint8_t{65}, "point format 65 (byte 104) is not supported");
   with(105, std::uint16_t{27}, "a record has 27 bytes (byte 105)");
   with(105, std::uint16_t{30}, "the described extra bytes need 32");
   with(107, std::uint32_t{4}, "it announces 4 points of 32 bytes");
@@ -473,14 +475,11 @@ TEST(LasHeader, RecordsWithoutEndAreRefused) {
 TEST(LasHeader, LazIsRecognisedByItsRecord) {
   LasBytes las = ThreePoints();
   las.vlrs = {{"laszip encoded", 22204, "x"}};
-  ExpectRefused(las.Build(), "`laszip -i strip.laz -o strip.las`");
-  std::string laz = ThreePoints().Build();
-  laz[104] = static_cast<char>(0x81);
-  ExpectRefused(laz, "compressed (LAZ)", "strip.laz");
+  ExpectRefused(las.Build(), "the record of the compression has 1 bytes");
 }
 
 TEST(LasHeader, RejectsOtherFiles) {
-  ExpectRefused(std::string("ply\0\1\2", 6), "strips must be LAS, or text of t, x, y, z",
+  ExpectRefused(std::string("ply\0\1\2", 6), "strips must be LAS or LAZ, or text of t, x, y, z",
                 "strip.ply");
   ExpectRefused("x", "'x' is not a number", "strip.ply");
 }

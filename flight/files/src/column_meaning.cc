@@ -32,7 +32,7 @@ std::vector<std::string> SplitWords(NamePart name) {
   return words;
 }
 
-/// NameWords that may be joined with a letter of an axis: "accx", "wy", "sdn".
+/// Words that may be joined with a letter of an axis: "accx", "wy", "sdn".
 constexpr std::array<NamePart, 25> kStems{"acc",
                                           "accel",
                                           "acceleration",

@@ -41,8 +41,8 @@ class FitTests {
   std::string failed_;
 };
 
-/// Offset of time tags that are seconds since 1980 or 1970: the beginning of their GPS week. Returns
-/// 0 for seconds of week and for other times.
+/// Offset of time tags that are seconds since 1980 or 1970: the beginning of their GPS week.
+/// Returns 0 for seconds of week and for other times.
 double FindTimeOffset(double t_s);
 
 }  // namespace dn::files_internal

@@ -33,8 +33,17 @@ constexpr std::size_t kBytesLookedAt = std::size_t{1} << 16;
 
 bool IsTime(double t_s) { return IsWeekSeconds(t_s) || files_internal::FindTimeOffset(t_s) != 0.0; }
 
+/// Returns whether the first column is the same in all rows, such as a GPS week.
+bool IsFirstColumnConstant(const TextTable& table) {
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    if (table.row(i)[0] != table.row(0)[0]) return false;
+  }
+  return table.rows() > 1;
+}
+
 bool IsPairs(const TextTable& table) {
   if (table.columns != 8 && table.columns != 14) return false;
+  if (IsFirstColumnConstant(table)) return false;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* row = table.row(i);
     const double range_m = Eigen::Map<const Eigen::Vector3d>(row + 2).norm();

@@ -25,6 +25,8 @@ constexpr double kMostRmsRateRadps = 2.0;
 constexpr double kMostRmsRateDegps = 400.0;
 // Standard deviation of the length of a vector by its mean; 0.42 for white noise in three axes.
 constexpr double kLeastSpread = 0.2;
+// Rates at rest may have such a bias, but a magnetometer is more likely.
+constexpr double kUnlikelyRates = 0.1;
 constexpr std::array<const char*, 6> kImuNames{"wx", "wy", "wz", "fx", "fy", "fz"};
 
 /// A choice of the columns; the last three are the forces.
@@ -33,7 +35,7 @@ struct ImuChoice {
   double prior;  ///< 1 for the usual order, less for others
 };
 
-/// What the values of a choice are like.
+/// Mean sizes of the values of a choice.
 struct ImuSizes {
   double step_s, mean_force, rms_rate, rate_spread, fall_share;
 };
@@ -134,6 +136,7 @@ ContentFit FitImuChoice(const TextSample& sample, const TimeColumn& time, const 
                          : content.imu_format == ImuFormat::kIncrements ? 0.03
                                                                         : 0.0;
   fit.score *= choice.prior * (1.0 - unusual);
+  if (sizes.rate_spread < kLeastSpread) fit.score *= 1.0 - kUnlikelyRates;
   if (!IsPlainImu(sample, time, choice, content.imu_format)) {
     fit.content.columns = FormatNames(time, choice.columns);
   }

@@ -14,12 +14,13 @@ using Eigen::Vector3d;
 constexpr std::size_t kFewestPairs = 20, kMostPairs = 300;
 constexpr double kLargestOffsetS = 25.0, kOffsetStepS = 0.5, kLeastOffsetS = 1.0;
 constexpr double kCloser = 5.0;
-// Ground points nearer than this share of their range may differ by the mounting: 10 deg.
-constexpr double kLeastShareOfRange = 0.17;
+// A mounting that is wrong by 10 deg moves the points of opposite lines apart by this share of
+// their range at most.
+constexpr double kLeastShareOfRange = 0.35;
 constexpr double kLeastCourseSpeedMps = 3.0;
 constexpr double kLongestGnssStepS = 5.0;
 
-/// BodyPoses of the body over time.
+/// Poses of the body over time.
 class BodyPoses {
  public:
   explicit BodyPoses(const Flight& flight) : flight_(flight) {

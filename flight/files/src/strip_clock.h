@@ -23,8 +23,8 @@ class StripClock {
             const Eigen::Vector3d& by_trajectory_m);
 
   /// Throws InvalidInput if the points lie along the course before or behind the trajectory by
-  /// more than a boresight or a scanner explains. declared_s: the offset that was removed from the time
-  /// tags.
+  /// more than a boresight or a scanner explains. declared_s: the offset that was removed from the
+  /// time tags.
   void ExpectAgreement(double declared_s, const FileLocation& where) const;
 
  private:
