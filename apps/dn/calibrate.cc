@@ -2,6 +2,7 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
+#include <dn/files/pair_clock.h>
 #include <dn/files/strip_files.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
@@ -369,6 +370,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
   needs.pairs = needs.trajectory = true;
   needs.imu = needs.gnss = with_network;
   Flight flight = ReadFlight(config, needs);
+  ExpectPairClock(flight);
   *read_s = flight.read_time_s;
   return flight;
 }

@@ -5,6 +5,7 @@
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
 #include <dn/error.h>
+#include <dn/files/pair_clock.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
 #include <dn/report/value_words.h>
@@ -162,6 +163,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.pairs = with_pairs;
   needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
+  ExpectPairClock(flight);
   return AdjustFlight(std::move(flight), watch.seconds(), with_pairs, run);
 }
 

@@ -48,7 +48,9 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
                           long* repeated_rows_dropped) {
   std::vector<std::size_t> columns{7};
   if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // an odometer, not used
-  TextTable table = ReadTextTable(file, columns);
+  TextTable table = options.columns.empty()
+                        ? ReadTextTable(file, columns)
+                        : ReadNamedColumns(file, options.columns, ImuQuantities());
   std::vector<std::size_t> keep;
   *repeated_rows_dropped = ContinueAndCheckTimes(table, keep, options.time_offset_s);
   std::vector<Row> rows;
@@ -168,6 +170,11 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& ImuQuantities() {
+  static const std::vector<std::string> quantities{"wx", "wy", "wz", "fx", "fy", "fz"};
+  return quantities;
+}
 
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
   ImuData imu;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <sstream>
 
@@ -264,6 +265,43 @@ TEST(CliInit, AGridWithoutAZoneIsNoFlightYet) {
   const ProgramRun check = RunProgram({"check", raw.path()});
   EXPECT_EQ(check.exit_code, 2);
   EXPECT_THAT(check.err, AllOf(HasSubstr("flight.yaml:"), HasSubstr("utm:ZONEn")));
+}
+
+TEST(CliInit, AnOddFileDoesNotStopTheRest) {
+  const RawFolder raw;
+  const std::string folder = raw.path();
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(fs::path(folder) / name) << text;
+  };
+  write("a.nmea", "$GPGGA,094942.00,4630.0,N,00630.0,E,4,12,0.8,450.0,M,50.0,M,1.0,0001\n");
+  write("b.pos", "%  GPST  latitude(deg) longitude(deg)  height(m)\n2280 381000.0 46.5 nan 500\n");
+  write("c.log", "$VNIMU,-02.1,+00.4,+01.3*5F\n");
+  write("d.csv", "time,note\n");
+  const ProgramRun init = RunProgram({"init", folder});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  for (const char* name : {"a.nmea", "b.pos", "c.log", "d.csv"}) {
+    EXPECT_THAT(init.out, HasSubstr(std::string("note     ") + name)) << init.out;
+  }
+  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("\"GPS.txt\""), HasSubstr("\"IMU.txt\"")));
+  EXPECT_EQ(RunProgram({"check", folder}).exit_code, 0);
+}
+
+// A log with a header, acceleration first, in other units, with a clock in milliseconds.
+TEST(CliInit, NamesTheColumnsOfALog) {
+  const RawFolder raw([](const DamagedFlight& flight) {
+    EachRow(flight, "IMU.txt", [](std::size_t, Row* row) {
+      const Row r = *row;
+      *row = {1e3 * r[0], r[4], r[5], r[6], r[1], r[2], r[3], 22, 5, -43};
+    });
+    flight.Write("IMU.txt", "Time_ms,AccX,AccY,AccZ,GyroX,GyroY,GyroZ,MagX,MagY,MagZ\n" +
+                                flight.Read("IMU.txt"));
+  });
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(raw.Yaml(), HasSubstr("columns: [t_ms, fx, fy, fz, wx, wy, wz]"));
+  const ProgramRun check = RunProgram({"check", raw.path()});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, Not(HasSubstr("look at")));
 }
 
 TEST(CliInit, LeavesAFlightYamlAsItIs) {

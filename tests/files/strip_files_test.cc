@@ -15,12 +15,12 @@ using ::testing::HasSubstr;
 TEST(StripFiles, AreFoundByTheirEndings) {
   const testing::TempFolder folder;
   EXPECT_TRUE(FindStripFiles(folder.path()).empty());
-  for (const char* name : {"b.las", "a.TXT", "c.laz", "d.ply", ".hidden.las"}) {
+  for (const char* name : {"b.las", "a.TXT", "c.laz", "D.LAS", "e.CSV", "d.ply", ".hidden.las"}) {
     folder.Write(std::string("strips/") + name, "");
   }
   std::vector<std::string> names;
   for (const auto& file : FindStripFiles(folder.path())) names.push_back(file.filename().string());
-  EXPECT_EQ(names, (std::vector<std::string>{"a.TXT", "b.las", "c.laz"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"D.LAS", "a.TXT", "b.las", "c.laz", "e.CSV"}));
 }
 
 TEST(StripFiles, ALinkToItselfIsNone) {

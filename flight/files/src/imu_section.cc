@@ -100,11 +100,13 @@ const ProcessKeys& AccelKeys() {
 }
 
 ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"file", "format", "sampling", "rate_unit", "force_unit", "R_imu_to_body",
-                     "time_offset_s", "max_gap_s", "grade", "gyro", "accel", "vibration"});
+  section.ExpectMap({"file", "format", "columns", "sampling", "rate_unit", "force_unit",
+                     "R_imu_to_body", "time_offset_s", "max_gap_s", "grade", "gyro", "accel",
+                     "vibration"});
   ImuConfig imu;
   if (section["file"]) imu.file = section["file"].Text();
   if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
+  imu.read.columns = ReadColumnNames(section, ImuQuantities());
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
   if (section["rate_unit"]) {
     imu.read.rate_unit_radps = section["rate_unit"].Choice(RateUnitWords());

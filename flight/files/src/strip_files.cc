@@ -18,7 +18,7 @@ bool IsStripName(const fs::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending == ".las" || ending == ".laz" || ending == ".txt";
+  return ending == ".las" || ending == ".laz" || ending == ".txt" || ending == ".csv";
 }
 
 constexpr double kSameAngleRad = 1e-6 * kRadPerDeg;

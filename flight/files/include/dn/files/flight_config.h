@@ -33,6 +33,7 @@ struct ImuConfig {
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
+  ColumnNames columns;  ///< for kOdyn: see GnssColumns
   /// Coordinates of the positions for kOdyn and kObGins, see TextCoordinates.
   std::string crs = "geographic";
   bool grid_north = false;     ///< velocities and sigmas refer to the axes of the UTM grid

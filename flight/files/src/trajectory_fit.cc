@@ -1,0 +1,149 @@
+#include "trajectory_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "picked_columns.h"
+#include "trajectory_content.h"
+
+namespace dn::files_internal {
+namespace {
+
+constexpr StepRange kTrajectorySteps{1e-4, 60.0};
+using NamedColumns = std::vector<NamedColumn>;
+
+/// An order of the columns of an attitude, with the sign of the vector part of a quaternion.
+struct AttitudeOrder {
+  std::array<const char*, 4> names;
+  const char* text;
+};
+constexpr std::array<AttitudeOrder, 4> kAttitudeOrders{
+    {{{"qw", "qx", "qy", "qz"}, ""},
+     {{"qx", "qy", "qz", "qw"}, "the quaternions have w last"},
+     {{"qw", "-qx", "-qy", "-qz"}, "the quaternions are of the inverse rotation"},
+     {{"-qx", "-qy", "-qz", "qw"}, "the quaternions have w last and are of the inverse rotation"}}};
+
+/// Returns the columns in the order of the documented format, whatever their order in the file.
+NamedColumns InUsualOrder(const NamedColumns& columns) {
+  NamedColumns usual;
+  for (const char* name : {"lat", "lon", "h", "qw", "qx", "qy", "qz", "roll", "pitch", "heading"}) {
+    for (const NamedColumn& column : columns) {
+      if (column.name == name || column.name == std::string("-") + name) usual.push_back(column);
+    }
+  }
+  return usual;
+}
+
+TextTable SignedRows(const TextSample& sample, const TimeColumn& time,
+                     const NamedColumns& columns) {
+  TextTable table = PickRows(sample, time, columns);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (!columns[c].name.starts_with('-')) continue;
+    for (std::size_t i = 0; i < table.rows(); ++i) table.values[i * table.columns + 1 + c] *= -1.0;
+  }
+  return table;
+}
+
+/// Columns in the usual order with what is unusual about them.
+struct TrajectoryChoice {
+  NamedColumns columns;
+  std::string text;
+};
+
+std::optional<TrajectoryChoice> NamedTrajectoryChoice(const TextSample& sample) {
+  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
+  const auto all = [&](const std::vector<std::string>& names) {
+    NamedColumns columns;
+    for (const std::string& name : names) {
+      if (const auto column = FindColumn(meanings, name)) columns.push_back(*column);
+    }
+    return columns.size() == names.size() ? std::optional(columns) : std::nullopt;
+  };
+  auto columns = all({"lat", "lon", "h", "qw", "qx", "qy", "qz"});
+  if (!columns) columns = all({"lat", "lon", "h", "roll", "pitch", "heading"});
+  return columns ? std::optional(TrajectoryChoice{*columns, ""}) : std::nullopt;
+}
+
+/// Returns the usual columns first, then other orders.
+std::vector<TrajectoryChoice> TrajectoryChoicesByCount(const TextSample& sample,
+                                                       const TimeColumn& time) {
+  const std::size_t first = std::max(time.at, time.week.value_or(0)) + 1;
+  const std::size_t count = sample.table.columns - std::min(sample.table.columns, first);
+  std::vector<TrajectoryChoice> choices;
+  if (count != 6 && count != 7) return choices;
+  for (const bool longitude_first : {false, true}) {
+    const NamedColumns position{{longitude_first ? "lon" : "lat", first},
+                                {longitude_first ? "lat" : "lon", first + 1},
+                                {"h", first + 2}};
+    const std::string text = longitude_first ? "the longitude comes before the latitude" : "";
+    if (count == 6) {
+      NamedColumns columns = position;
+      for (const char* name : {"roll", "pitch", "heading"}) {
+        columns.push_back({name, columns.back().at + 1});
+      }
+      choices.push_back({InUsualOrder(columns), text});
+      continue;
+    }
+    for (const AttitudeOrder& order : kAttitudeOrders) {
+      NamedColumns columns = position;
+      for (const char* name : order.names) columns.push_back({name, columns.back().at + 1});
+      const std::string both = text.empty() || *order.text == 0 ? "" : ", and ";
+      choices.push_back({InUsualOrder(columns), text + both + order.text});
+    }
+  }
+  return choices;
+}
+
+bool IsPlainTrajectory(const TextSample& sample, const TimeColumn& time,
+                       const TrajectoryChoice& choice) {
+  if (sample.needs_names || time.week || time.at != 0 || time.name != "t") return false;
+  for (std::size_t i = 0; i < choice.columns.size(); ++i) {
+    if (choice.columns[i].at != i + 1 || choice.columns[i].name.starts_with('-')) return false;
+  }
+  return sample.table.columns == choice.columns.size() + 1;
+}
+
+/// Returns the first choice whose attitude follows the course; the first of all if none does.
+const TrajectoryChoice& BestTrajectoryChoice(const TextSample& sample, const TimeColumn& time,
+                                             const std::vector<TrajectoryChoice>& choices) {
+  for (const TrajectoryChoice& choice : choices) {
+    const TextTable table = SignedRows(sample, time, choice.columns);
+    if (table.rows() == 0) continue;
+    if (CourseAgreement(table).value_or(0.0) >= kLeastCourseAgreement) return choice;
+  }
+  return choices.front();
+}
+
+}  // namespace
+
+ContentFit FitTrajectory(const TextSample& sample) {
+  FileContent content;
+  content.kind = FileKind::kTrajectory;
+  FitTests tests(4.0);
+  const std::optional<TimeColumn> time = FindTime(sample, kTrajectorySteps);
+  if (!tests.Expect(time.has_value(), "no time that increases")) return tests.Result(content);
+  std::vector<TrajectoryChoice> choices;
+  if (const std::optional<TrajectoryChoice> named = NamedTrajectoryChoice(sample)) {
+    choices.push_back(*named);
+  } else if (!FindColumn(FindMeanings(sample), "lat")) {
+    choices = TrajectoryChoicesByCount(sample, *time);
+  }
+  if (!tests.Expect(!choices.empty(), "no position and attitude")) return tests.Result(content);
+  const TrajectoryChoice& choice = BestTrajectoryChoice(sample, *time, choices);
+  const TextTable table = SignedRows(sample, *time, choice.columns);
+  const bool numbers =
+      table.rows() > 0 && static_cast<double>(table.rows()) >=
+                              kLeastNumericRows * static_cast<double>(sample.table.rows());
+  if (!tests.Expect(numbers, "the columns contain text")) return tests.Result(content);
+  content.trajectory = FindTrajectoryColumns(table);
+  tests.Expect(content.trajectory.has_value(),
+               "no unit quaternion, and no heading that follows the course");
+  content.time_offset_s = FindTimeOffset(table.row(0)[0]);
+  content.why = choice.text;
+  if (!IsPlainTrajectory(sample, *time, choice))
+    content.columns = FormatNames(*time, choice.columns);
+  return tests.Result(std::move(content));
+}
+
+}  // namespace dn::files_internal
