@@ -541,6 +541,11 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
     CalibrateSeveral(options, run);
     return;
   }
+  if (!options.fleet.across.empty() || options.fleet.include_uncalibrated) {
+    throw InvalidConfig(
+        "--across and --include-uncalibrated are for several flights, but there is "
+        "one; give the others, too");
+  }
   const FlightConfig config =
       WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
@@ -592,6 +597,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");
   app->callback([options, action] {
     options->flight = options->flights.front();
+    options->common.resumable = options->flights.size() > 1;
     *action = [options] {
       options->common.inputs =
           options->flights.size() > 1

@@ -22,7 +22,7 @@ class CliCalibrateFlights : public ::testing::Test {
       RunProgram({"simulate", ShortScenario().string(), "--seed", seed, "--out",
                   (folder_->path() / seed).string(), "--set", std::string("name=day ") + seed});
     }
-    run_ = new ProgramRun(Calibrate("fleet"));
+    run_ = new ProgramRun(Calibrate("fleet", {"--at-once", "2"}));
   }
   static void TearDownTestSuite() {
     delete run_;
@@ -152,6 +152,7 @@ TEST_F(CliCalibrateFlights, RefusesFlightsThatDoNotBelongTogether) {
   expect({day, Path("nowhere").string()}, {}, "there is no flight folder");
   expect({day, Path("32").string()}, {"--across", "[lidar_range_offset]"},
          "'boresight' is missing");
+  expect({day}, {"--across", "[boresight]"}, "are for several flights");
   Json reduced = LoadJson(Path("fleet") / "day_32" / "reduced.json");
   reduced["mounting"]["lidar_lever_arm_m"][0] = 3.0;
   folder_->Write("other/reduced.json", reduced.dump());
