@@ -2,6 +2,7 @@
 #include <dn/names.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -115,6 +116,23 @@ void CheckUnit(const GeoKeys& keys, std::size_t key, const char* what, const Fil
   if (unit && *unit != kMetre && *unit != kUserDefined && *unit != 0) FailUnit(what, where);
 }
 
+/// Returns whether a vertical coordinate system of EPSG has heights in feet.
+bool IsInFeet(int vertical) {
+  constexpr std::array<int, 11> kInFeet{5702, 6130, 6131, 6132, 6358, 6360,
+                                        8050, 8051, 8052, 8053, 8228};
+  return std::find(kInFeet.begin(), kInFeet.end(), vertical) != kInFeet.end();
+}
+
+/// Reads the vertical system of the keys; returns whether heights refer to a geoid. Throws
+/// InvalidInput for heights in feet.
+bool ReadVertical(const GeoKeys& keys, const FileLocation& where) {
+  CheckUnit(keys, kVerticalUnitKey, "heights", where);
+  const int vertical = keys.Number(kVerticalKey).value_or(0);
+  if (IsInFeet(vertical)) FailUnit("heights", where);
+  // Vertical codes from 5001 to 5033 are ellipsoids.
+  return vertical >= 1024 && vertical != kUserDefined && !(vertical >= 5001 && vertical <= 5033);
+}
+
 /// Reads well-known text and returns EPSG code, unit and name of its outermost horizontal system.
 class WktReader {
  public:
@@ -142,7 +160,8 @@ class WktReader {
   }
 
   static bool IsVertical(const std::string& keyword) {
-    return keyword == "VERT_CS" || keyword == "VERTCRS" || keyword == "VERTICALCRS";
+    return keyword == "VERT_CS" || keyword == "VERTCS" || keyword == "VERTCRS" ||
+           keyword == "VERTICALCRS";
   }
 
   /// Reads one token at position `at` and returns the position after it.
@@ -245,16 +264,17 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
     if (datum == kGeographicWgs84 || datum == kGeocentricWgs84) crs.epsg = kGeocentricWgs84;
     crs.name = "ecef";
   }
-  CheckUnit(keys, kVerticalUnitKey, "heights", where);
-  // Vertical codes from 5001 to 5033 are ellipsoids.
-  const int vertical = keys.Number(kVerticalKey).value_or(0);
-  crs.heights_from_geoid =
-      vertical >= 1024 && vertical != kUserDefined && !(vertical >= 5001 && vertical <= 5033);
+  crs.heights_from_geoid = ReadVertical(keys, where);
   return crs;
 }
 
 StripCrs ParseWkt(std::string_view text, const FileLocation& where) {
   return WktReader(text, where).Read();
+}
+
+bool ParseVerticalKeys(std::string_view directory, std::string_view ascii,
+                       const FileLocation& where) {
+  return ReadVertical(GeoKeys(directory, ascii, where), where);
 }
 
 }  // namespace dn::lidar_internal

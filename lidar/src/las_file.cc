@@ -373,6 +373,10 @@ class LasFileReader {
     }
     if (!wkt.empty()) {
       las_.crs = ParseWkt(wkt.substr(0, wkt.find('\0')), where_);
+      // Text of a horizontal system alone leaves the heights to the keys.
+      if (!las_.crs.heights_from_geoid && !directory.empty()) {
+        las_.crs.heights_from_geoid = ParseVerticalKeys(directory, ascii, where_);
+      }
     } else if (!directory.empty()) {
       las_.crs = ParseGeoTiff(directory, ascii, where_);
     }
