@@ -281,6 +281,10 @@ std::string FlightDraft::ImuText() const {
       "tag\n";
   if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # from the size of the rates\n";
   if (imu_->forces_in_g) text += "  force_unit: g                 # from the size of gravity\n";
+  if (imu_->force_unit > 0.0) {
+    text += fmt::format("  rate_unit: {}   # rad of one count\n", FormatDouble(imu_->rate_unit));
+    text += fmt::format("  force_unit: {}   # m/s of one count\n", FormatDouble(imu_->force_unit));
+  }
   text += fmt::format("  R_imu_to_body: {}   # data in axes {}: {}\n", MatrixText(R_imu_to_body_),
                       AxesName(R_imu_to_body_),
                       axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");

@@ -58,7 +58,8 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   for (const std::size_t i : keep) {
     const double* x = table.row(i);
     for (int c = 1; c < 7; ++c) {
-      if (!(std::abs(x[c]) <= kHighestValue)) FailSize(x[c], {file.string(), table.lines[i]});
+      const double value = x[c] * (c < 4 ? options.rate_unit_radps : options.force_unit_mps2);
+      if (!(std::abs(value) <= kHighestValue)) FailSize(value, {file.string(), table.lines[i]});
     }
     rows.push_back({x[0], ToBody({x[1], x[2], x[3]}, options.rate_unit_radps, options),
                     ToBody({x[4], x[5], x[6]}, options.force_unit_mps2, options)});

@@ -139,6 +139,21 @@ void ReadProjected(const GeoKeys& keys, const FileLocation& where, StripCrs* crs
   if (projection / 200 == 80 && zone >= 1 && zone <= 60) crs->name = Utm(zone, projection >= 16100);
 }
 
+/// Returns whether a vertical coordinate system of EPSG has heights in feet.
+bool IsInFeet(int vertical) {
+  const std::string any_horizontal = "EPSG:32632+";
+  return !NameCrs(any_horizontal + std::to_string(vertical)).in_metres;
+}
+
+/// Reads the vertical system of the keys; returns whether heights refer to a geoid. Throws
+/// InvalidInput for heights in feet.
+bool ReadVertical(const GeoKeys& keys, const FileLocation& where) {
+  const std::optional<int> vertical = FindVertical(keys);
+  const double unit_m = FindUnit(keys, kVerticalUnitKey, "heights", where).value_or(1.0);
+  if (unit_m != 1.0 || (vertical && IsInFeet(*vertical))) FailUnit("heights", where);
+  return vertical.has_value();
+}
+
 /// Reads well-known text, which need not be complete, and returns EPSG code and name of its
 /// outermost horizontal system.
 class WktReader {
@@ -173,7 +188,8 @@ class WktReader {
   }
 
   static bool IsVertical(const std::string& keyword) {
-    return keyword == "VERT_CS" || keyword == "VERTCRS" || keyword == "VERTICALCRS";
+    return keyword == "VERT_CS" || keyword == "VERTCS" || keyword == "VERTCRS" ||
+           keyword == "VERTICALCRS";
   }
 
   /// Reads one token at position `at` and returns the position after it.
@@ -276,10 +292,7 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
     if (datum == kGeographicWgs84 || datum == kGeocentricWgs84) crs.epsg = kGeocentricWgs84;
     crs.name = "ecef";
   }
-  if (FindUnit(keys, kVerticalUnitKey, "heights", where).value_or(1.0) != 1.0) {
-    FailUnit("heights", where);
-  }
-  crs.heights_from_geoid = FindVertical(keys).has_value();
+  crs.heights_from_geoid = ReadVertical(keys, where);
   return crs;
 }
 
@@ -288,11 +301,15 @@ StripCrs ParseWkt(std::string_view text, const FileLocation& where) {
   WktReader reader(stated);
   StripCrs crs = reader.Read();
   const NamedCrs named = stated.size() <= kLongestWkt ? NameCrs(std::string(stated)) : NamedCrs();
-  if (named.name.empty() && reader.not_in_metres() != nullptr) {
-    FailUnit(reader.not_in_metres(), where);
-  }
+  const bool converted = !named.name.empty() && !named.in_metres;
+  if (reader.not_in_metres() != nullptr && !converted) FailUnit(reader.not_in_metres(), where);
   TakeName(named, &crs);
   return crs;
+}
+
+bool ParseVerticalKeys(std::string_view directory, std::string_view ascii,
+                       const FileLocation& where) {
+  return ReadVertical(GeoKeys(directory, ascii, where), where);
 }
 
 }  // namespace dn::lidar_internal

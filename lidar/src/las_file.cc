@@ -373,6 +373,12 @@ class LasFileReader {
     }
     if (!wkt.empty()) {
       las_.crs = ParseWkt(wkt.substr(0, wkt.find('\0')), where_);
+      // Text of a horizontal system alone leaves the heights to the keys.
+      const bool has_vertical =
+          las_.crs.heights_from_geoid || las_.crs.name.find('+') != std::string::npos;
+      if (!has_vertical && !directory.empty()) {
+        las_.crs.heights_from_geoid = ParseVerticalKeys(directory, ascii, where_);
+      }
     } else if (!directory.empty()) {
       las_.crs = ParseGeoTiff(directory, ascii, where_);
     }

@@ -148,4 +148,8 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
 /// other than metres.
 StripCrs ParseWkt(std::string_view text, const FileLocation& where);
 
+/// Returns whether GeoTIFF keys say that heights refer to a geoid. Throws as ParseGeoTiff does.
+bool ParseVerticalKeys(std::string_view directory, std::string_view ascii,
+                       const FileLocation& where);
+
 }  // namespace dn::lidar_internal

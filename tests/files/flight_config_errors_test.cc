@@ -228,6 +228,8 @@ TEST(FlightConfigErrors, AxesAndOffsetsThatCannotBe) {
             "imu.R_imu_to_body", 3);
   ExpectBad("gnss:\n  time_offset_s: 5e9\n", "gnss.time_offset_s: must lie within", 2);
   ExpectBad("imu:\n  grade: airins\n  rate_unit: grad/s\n", "imu.rate_unit", 3);
+  ExpectBad("imu:\n  grade: airins\n  rate_unit: -1e-10\n", "imu.rate_unit", 3);
+  ExpectBad("imu:\n  grade: airins\n  force_unit: 0\n", "imu.force_unit", 3);
 }
 
 std::string Repeated(const std::string& item, int count) {

@@ -482,4 +482,17 @@ TEST(FlightConfig, UnmodelledEffectsHaveThePriorOfTheSensorAndWhatTheFileStates)
   EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(Parse("{}")).Sigma(EffectId::kGyroMisalignment)[0], 0.03e-3);
 }
 
+TEST(FlightConfig, UnitsMayBeNumbers) {
+  const FlightConfig config = Parse(
+      "imu: {grade: airins, format: increments, columns: [=RAWIMUSA, week, t, fz, -fy, fx, wz, "
+      "-wy, "
+      "wx], rate_unit: 1.16415e-10, force_unit: 2.27e-9}\n");
+  EXPECT_EQ(config.imu->read.rate_unit_radps, 1.16415e-10);
+  EXPECT_EQ(config.imu->read.force_unit_mps2, 2.27e-9);
+  const FlightConfig again = Parse(FormatFlightConfig(config));
+  EXPECT_EQ(again.imu->read.rate_unit_radps, 1.16415e-10);
+  EXPECT_EQ(again.imu->read.force_unit_mps2, 2.27e-9);
+  EXPECT_EQ(again.imu->read.columns, config.imu->read.columns);
+}
+
 }  // namespace dn::files_test

@@ -69,6 +69,52 @@ TEST(NamedColumns, OtherNamesOfAQuantity) {
   }
 }
 
+TEST(TextFields, MessagesOfAReceiver) {
+  EXPECT_THAT(SplitMessage("%RAWIMUSA,2280,381000.0;2280,381000.005,-1,\"a,b\",2*c01b540c\r"),
+              ElementsAre("RAWIMUSA", "2280", "381000.0", "2280", "381000.005", "-1", "a,b", "2"));
+  EXPECT_THAT(SplitMessage("#A,1;2"), ElementsAre("A", "1", "2"));
+  EXPECT_THAT(SplitMessage("$VNIMU,+01.5,-2*5F"), ElementsAre("VNIMU", "+01.5", "-2"));
+  EXPECT_THAT(SplitMessage("IMU 1 2"), ElementsAre("IMU", "1", "2"));
+  EXPECT_TRUE(SplitMessage("#\r").empty());
+}
+
+TEST(NamedColumns, ConditionsSelectRows) {
+  const std::string log =
+      "IMU, 1, 9, bad\n"
+      "GPS, 1.5, 500, FIX\n"
+      "# remark\n"
+      "GPS, 2.5, 501, NONE\n"
+      "GPS, 3.5, 502, FLOAT\n"
+      "GPS, 4.5\n";
+  const TextTable t = Read(log, {"=GPS", "t", "h", "=FIX|FLOAT"}, {"h"});
+  EXPECT_EQ(t.values, (std::vector<double>{1.5, 500.0, 3.5, 502.0}));
+  EXPECT_EQ(t.lines, (std::vector<long>{2, 5}));
+  // A condition elsewhere leaves comments as they are.
+  EXPECT_EQ(Read("# 1 5 A\n1 5 A\n2 6 B\n", {"t", "h", "=A"}, {"h"}).rows(), 1u);
+  ExpectInvalid([&] { Read(log, {"=BARO", "t", "h"}, {"h"}); }, "no rows of numbers", 0);
+}
+
+TEST(NamedColumns, ColumnsThatAreAdded) {
+  const std::vector<std::string> quantities{"lat", "lon", "h"};
+  const TextTable t = Read(
+      "100 500000000 46 30 36 -0 7 12 400 48.5\n",
+      {"t", "nsec", "lat", "lat_min", "lat_sec", "lon", "lon_min", "lon_sec", "h", "undulation"},
+      quantities);
+  EXPECT_DOUBLE_EQ(t.row(0)[0], 100.5);
+  EXPECT_DOUBLE_EQ(t.row(0)[1], 46.51);
+  EXPECT_DOUBLE_EQ(t.row(0)[2], -0.12);
+  EXPECT_DOUBLE_EQ(t.row(0)[3], 448.5);
+  const TextTable south =
+      Read("1 46 30 0 7 5\n", {"t", "-lat", "lat_min", "lat_sec", "lon", "h"}, quantities);
+  EXPECT_DOUBLE_EQ(south.row(0)[1], -46.5);
+}
+
+TEST(NamedColumns, AHeaderMayBeginWithNumbers) {
+  const TextTable t =
+      Read("Datum 1984 x\n2020 01 02\n1 2 3 4\n", {"t", "skip", "skip", "h"}, {"h"});
+  EXPECT_EQ(t.values, (std::vector<double>{1.0, 4.0}));
+}
+
 TEST(NamedColumns, RejectsBadRowsEachByItsOwnMessage) {
   const ColumnNames names{"t", "skip", "lat"};
   const auto read = [&](const std::string& text) { return [=] { Read(text, names, {"lat"}); }; };
@@ -85,6 +131,12 @@ TEST(NamedColumns, ChecksNames) {
     return [=] { CheckColumnNames(names, kQuantities); };
   };
   check({"t_ms", "week", "lat", "-lon", "z", "skip", "skip", "vd", "yaw_rad"})();
+  check({"=GPS", "t", "lat_min", "undulation", "nsec", "=A|B", "=A"})();
+  ExpectInvalid(
+      [] {
+        CheckColumnNames({"t", "undulation"}, {"wx"});
+      },
+      "'undulation' is not a column", 0);
   ExpectInvalid(check({"t", "latitude"}), "'latitude' is not a column; the columns are t", 0);
   ExpectInvalid(check({"t", "lat", "-lat"}), "'-lat' is named twice", 0);
   ExpectInvalid(check({"t", "vu", "vd"}), "'vd' is named twice", 0);

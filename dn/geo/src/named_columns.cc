@@ -1,64 +1,17 @@
-#include <dn/geo/local_frame.h>
 #include <dn/geo/named_columns.h>
 #include <dn/geo/text_fields.h>
 
 #include <algorithm>
-#include <map>
-#include <optional>
 #include <set>
 #include <string_view>
+
+#include "column_layout.h"
 
 namespace dn {
 namespace {
 
-/// A quantity of a column and the factor that converts the column to it.
-struct Column {
-  std::string quantity;
-  double factor = 1.0;
-};
-
-const std::map<std::string, Column>& OtherNames() {
-  static const std::map<std::string, Column> names{{"t_ms", {"t", 1e-3}},
-                                                   {"t_us", {"t", 1e-6}},
-                                                   {"t_ns", {"t", 1e-9}},
-                                                   {"east", {"lat"}},
-                                                   {"north", {"lon"}},
-                                                   {"up", {"h"}},
-                                                   {"x", {"lat"}},
-                                                   {"y", {"lon"}},
-                                                   {"z", {"h"}},
-                                                   {"yaw", {"heading"}},
-                                                   {"vd", {"vu", -1.0}},
-                                                   {"sigma_d", {"sigma_u"}},
-                                                   {"sigma_vd", {"sigma_vu"}},
-                                                   {"lat_rad", {"lat", kDegPerRad}},
-                                                   {"lon_rad", {"lon", kDegPerRad}},
-                                                   {"roll_rad", {"roll", kDegPerRad}},
-                                                   {"pitch_rad", {"pitch", kDegPerRad}},
-                                                   {"heading_rad", {"heading", kDegPerRad}},
-                                                   {"yaw_rad", {"heading", kDegPerRad}}};
-  return names;
-}
-
-Column ParseName(std::string_view name) {
-  Column column;
-  if (name.starts_with('-')) {
-    column.factor = -1.0;
-    name.remove_prefix(1);
-  }
-  column.quantity = name;
-  const auto other = OtherNames().find(column.quantity);
-  if (other == OtherNames().end()) return column;
-  column.quantity = other->second.quantity;
-  column.factor *= other->second.factor;
-  return column;
-}
-
-std::vector<Column> ParseNames(const ColumnNames& names) {
-  std::vector<Column> columns;
-  for (const std::string& name : names) columns.push_back(ParseName(name));
-  return columns;
-}
+using geo_internal::ColumnLayout;
+using Fields = std::vector<std::string_view>;
 
 std::string Listed(const std::vector<std::string>& names) {
   std::string text;
@@ -66,83 +19,89 @@ std::string Listed(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Places of the used columns in a line, in the order of the table.
-class Layout {
- public:
-  Layout(const ColumnNames& names, const std::vector<std::string>& quantities)
-      : columns_(ParseNames(names)) {
-    while (!columns_.empty() && columns_.back().quantity == "skip") columns_.pop_back();
-    places_.push_back(Place("t"));
-    for (const std::string& quantity : quantities) places_.push_back(Place(quantity));
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (columns_[i].quantity == "week") week_ = i;
-    }
-  }
-
-  std::size_t least_fields() const { return columns_.size(); }
-  std::size_t time_place() const { return places_.front(); }
-  const std::vector<std::size_t>& places() const { return places_; }
-  std::optional<std::size_t> week() const { return week_; }
-  double factor(std::size_t place) const { return columns_[place].factor; }
-
- private:
-  std::size_t Place(const std::string& quantity) const {
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (columns_[i].quantity == quantity) return i;
-    }
-    throw InvalidInput("`columns` has no " + quantity + "; name its column");
-  }
-
-  std::vector<Column> columns_;
-  std::vector<std::size_t> places_;
-  std::optional<std::size_t> week_;
-};
-
 /// Appends the used values of lines to a table.
 class NamedRows {
  public:
-  NamedRows(const Layout& layout, TextTable* table) : layout_(layout), table_(*table) {}
+  NamedRows(const ColumnLayout& layout, TextTable* table) : layout_(layout), table_(*table) {}
 
   void Take(std::string_view line, long number) {
     const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos || line[begin] == '#' || line[begin] == '%') return;
-    const std::vector<std::string_view> fields = SplitFields(line);
-    const std::size_t time = layout_.time_place();
-    const bool has_time = time < fields.size() && FieldNumber(fields[time]);
-    if (table_.lines.empty() && !has_time) return;  // a line of the header
-    if (fields.size() < layout_.least_fields()) {
-      throw InvalidInput("row has " + std::to_string(fields.size()) +
+    if (begin == std::string_view::npos) return;
+    const bool comment = line[begin] == '#' || line[begin] == '%';
+    if (comment && !layout_.has_messages()) return;
+    line_ = line;
+    number_ = number;
+    fields_ = layout_.has_messages() ? SplitMessage(line) : SplitFields(line);
+    if (!layout_.Accepts(fields_)) return;
+    const std::size_t time = layout_.places().front();
+    const bool has_time = time < fields_.size() && FieldNumber(fields_[time]);
+    const bool short_row = fields_.size() < layout_.least_fields();
+    if (table_.lines.empty() && (!has_time || short_row)) return;  // a line of the header
+    if (short_row) {
+      throw InvalidInput("row has " + std::to_string(fields_.size()) +
                              " columns, but `columns` names " +
                              std::to_string(layout_.least_fields()),
                          {table_.file.string(), number, 0});
     }
-    const auto value = [&](std::size_t place) {
-      return layout_.factor(place) *
-             ParseNumber(fields[place],
-                         {table_.file.string(), number,
-                          static_cast<long>(fields[place].data() - line.data()) + 1});
-    };
-    for (const std::size_t place : layout_.places()) table_.values.push_back(value(place));
-    table_.lines.push_back(number);
-    if (layout_.week()) AddWeek(value(*layout_.week()));
+    AppendRow();
   }
 
  private:
-  void AddWeek(double week) {
-    if (table_.lines.size() == 1) first_week_ = week;
-    table_.values[table_.values.size() - table_.columns] += kWeekS * (week - first_week_);
+  void AppendRow() {
+    const std::size_t begin = table_.values.size();
+    for (const std::size_t place : layout_.places()) {
+      table_.values.push_back(layout_.factor(place) * Value(place));
+    }
+    table_.lines.push_back(number_);
+    double* row = table_.values.data() + begin;
+    for (const ColumnLayout::AddedPlace& each : layout_.added()) {
+      row[each.column] += Sign(each) * each.addend->factor * Value(each.place);
+    }
+    if (layout_.week()) row[0] += WeeksS(Value(*layout_.week()));
   }
 
-  const Layout& layout_;
+  double Value(std::size_t place) const {
+    return ParseNumber(fields_[place],
+                       {table_.file.string(), number_,
+                        static_cast<long>(fields_[place].data() - line_.data()) + 1});
+  }
+
+  // The degrees of "-0 30 0" have a sign but no size.
+  double Sign(const ColumnLayout::AddedPlace& added) const {
+    if (!added.addend->has_sign_of_column) return 1.0;
+    const std::size_t place = layout_.places()[added.column];
+    return (fields_[place].starts_with('-') ? -1.0 : 1.0) * layout_.factor(place);
+  }
+
+  double WeeksS(double week) {
+    if (table_.lines.size() == 1) first_week_ = week;
+    return kWeekS * (week - first_week_);
+  }
+
+  const ColumnLayout& layout_;
   TextTable& table_;
+  std::string_view line_;
+  long number_ = 0;
+  Fields fields_;
   double first_week_ = 0.0;
 };
+
+/// Returns whether a name is one of the quantities, or one that is added to them.
+bool IsKnown(const std::string& name, const std::vector<std::string>& quantities) {
+  const auto has = [&](std::string_view quantity) {
+    return quantity == "t" ||
+           std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
+  };
+  const geo_internal::Addend* addend = geo_internal::FindAddend(name);
+  return name == "week" || has(name) || (addend != nullptr && has(addend->quantity));
+}
 
 }  // namespace
 
 bool HasColumn(const ColumnNames& names, const std::string& quantity) {
-  return std::any_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return ParseName(name).quantity == quantity; });
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return geo_internal::ParseColumnName(name).quantity == quantity;
+  });
 }
 
 std::string FormatColumnNames(const ColumnNames& names) { return "[" + Listed(names) + "]"; }
@@ -150,13 +109,9 @@ std::string FormatColumnNames(const ColumnNames& names) { return "[" + Listed(na
 void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& quantities) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    const Column column = ParseName(name);
-    const std::string& quantity = column.quantity;
-    if (quantity == "skip") continue;
-    const bool known =
-        quantity == "t" || quantity == "week" ||
-        std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
-    if (!known) {
+    const std::string quantity = geo_internal::ParseColumnName(name).quantity;
+    if (quantity == "skip" || geo_internal::IsCondition(quantity)) continue;
+    if (!IsKnown(quantity, quantities)) {
       throw InvalidInput("'" + name +
                          "' is not a column; the columns are t (t_ms, t_us, t_ns), week, " +
                          Listed(quantities) + ", skip");
@@ -168,7 +123,7 @@ void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& 
 
 TextTable ReadNamedColumns(const std::filesystem::path& file, const ColumnNames& names,
                            const std::vector<std::string>& quantities, std::size_t max_rows) {
-  const Layout layout(names, quantities);
+  const ColumnLayout layout(names, quantities);
   TextTable table;
   table.file = file;
   table.columns = 1 + quantities.size();
@@ -177,7 +132,11 @@ TextTable ReadNamedColumns(const std::filesystem::path& file, const ColumnNames&
   for (std::string_view line; table.rows() < max_rows && lines.Next(&line);) {
     rows.Take(line, lines.line());
   }
-  if (table.rows() == 0) throw InvalidInput("file has no rows of numbers", {file.string(), 0, 0});
+  if (table.rows() == 0) {
+    throw InvalidInput("file has no rows of numbers with the " +
+                           std::to_string(layout.least_fields()) + " columns that `columns` names",
+                       {file.string(), 0, 0});
+  }
   return table;
 }
 

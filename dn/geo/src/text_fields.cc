@@ -26,24 +26,37 @@ std::vector<std::string_view> SplitAtBlanks(std::string_view line) {
   return fields;
 }
 
-}  // namespace
-
-std::vector<std::string_view> SplitFields(std::string_view line) {
-  const bool semicolons = line.find(';') != std::string_view::npos;
-  if (!semicolons && line.find(',') == std::string_view::npos) return SplitAtBlanks(line);
-  const char separator = semicolons ? ';' : ',';
+/// Splits a line at separators outside quotation marks.
+std::vector<std::string_view> SplitAt(std::string_view line, std::string_view separators) {
   std::vector<std::string_view> fields;
   bool quoted = false;
   std::size_t begin = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (line[i] == '"') quoted = !quoted;
-    if (line[i] != separator || quoted) continue;
+    if (quoted || separators.find(line[i]) == std::string_view::npos) continue;
     fields.push_back(Trimmed(line.substr(begin, i - begin)));
     begin = i + 1;
   }
   const std::string_view last = Trimmed(line.substr(begin));
   if (!last.empty()) fields.push_back(last);
   return fields;
+}
+
+}  // namespace
+
+std::vector<std::string_view> SplitFields(std::string_view line) {
+  const bool semicolons = line.find(';') != std::string_view::npos;
+  if (!semicolons && line.find(',') == std::string_view::npos) return SplitAtBlanks(line);
+  return SplitAt(line, semicolons ? ";" : ",");
+}
+
+std::vector<std::string_view> SplitMessage(std::string_view line) {
+  const std::size_t begin = line.find_first_not_of(" \t\r#%$");
+  if (begin == std::string_view::npos) return {};
+  line = line.substr(begin);
+  line = line.substr(0, line.rfind('*'));
+  if (line.find_first_of(",;") == std::string_view::npos) return SplitAtBlanks(line);
+  return SplitAt(line, ",;");
 }
 
 std::optional<double> FieldNumber(std::string_view field) {

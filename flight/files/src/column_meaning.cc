@@ -11,6 +11,7 @@ namespace dn::files_internal {
 namespace {
 
 using NamePart = std::string_view;
+using Choices = std::initializer_list<NamePart>;
 
 std::string LowerCase(NamePart text) {
   std::string lower;
@@ -32,8 +33,8 @@ std::vector<std::string> SplitWords(NamePart name) {
   return words;
 }
 
-/// Words that may be joined with a letter of an axis: "accx", "wy", "sdn".
-constexpr std::array<NamePart, 25> kStems{"acc",
+/// Words that may be joined with an axis or a direction: "accx", "wy", "sdn", "vnorth", "tx".
+constexpr std::array<NamePart, 29> kStems{"acc",
                                           "accel",
                                           "acceleration",
                                           "accelerometer",
@@ -57,18 +58,29 @@ constexpr std::array<NamePart, 25> kStems{"acc",
                                           "q",
                                           "quat",
                                           "mag",
-                                          "stdv"};
-constexpr NamePart kAxes = "xyzwneud";
+                                          "stdv",
+                                          "t",
+                                          "p",
+                                          "pos",
+                                          "position"};
+constexpr std::array<NamePart, 13> kEndings{"north", "east", "up", "down", "height", "x", "y",
+                                            "z",     "w",    "n",  "e",    "u",      "d"};
 
-/// Splits the letter of an axis from the words, so that "accx" becomes "acc", "x".
+/// Splits an axis or a direction from the words, so that "accx" becomes "acc", "x".
 std::vector<std::string> WithAxisApart(const std::vector<std::string>& words) {
   std::vector<std::string> apart;
-  for (const std::string& word : words) {
-    const NamePart stem = NamePart(word).substr(0, word.size() - 1);
-    const bool joined = kAxes.find(word.back()) != NamePart::npos &&
-                        std::find(kStems.begin(), kStems.end(), stem) != kStems.end();
-    apart.emplace_back(joined ? stem : NamePart(word));
-    if (joined) apart.emplace_back(1, word.back());
+  for (const NamePart word : words) {
+    const auto ending = std::find_if(kEndings.begin(), kEndings.end(), [&](NamePart each) {
+      return word.ends_with(each) &&
+             std::find(kStems.begin(), kStems.end(), word.substr(0, word.size() - each.size())) !=
+                 kStems.end();
+    });
+    if (ending == kEndings.end()) {
+      apart.emplace_back(word);
+    } else {
+      apart.emplace_back(word.substr(0, word.size() - ending->size()));
+      apart.emplace_back(*ending);
+    }
   }
   return apart;
 }
@@ -78,7 +90,7 @@ class NameWords {
  public:
   explicit NameWords(NamePart name) : words_(WithAxisApart(SplitWords(name))) {}
 
-  bool Any(std::initializer_list<NamePart> choices) const {
+  bool Any(Choices choices) const {
     return std::any_of(choices.begin(), choices.end(),
                        [this](NamePart choice) { return Is(choice); });
   }
@@ -133,7 +145,8 @@ std::string TimeName(const NameWords& words, const std::string& unit) {
   const bool is_time =
       words.Any({"time", "timestamp", "t", "tow", "sow", "gpstime", "utctime", "itow",
                  "sampletimefine", "stamp", "seconds", "secs", "gpsseconds", "epoch"});
-  if (!is_time || words.Any({"date", "datetime"}) || (!unit.empty() && !IsTimeUnit(unit)))
+  if (!is_time || words.BodyAxis() != 0 || words.Any({"date", "datetime"}) ||
+      (!unit.empty() && !IsTimeUnit(unit)))
     return {};
   if (unit.starts_with("ms") || unit.starts_with("milli") || words.Any({"ms", "msec", "millis"})) {
     return "t_ms";
@@ -141,7 +154,8 @@ std::string TimeName(const NameWords& words, const std::string& unit) {
   if (unit.starts_with("us") || unit.starts_with("micro") || words.Any({"us", "usec", "micros"})) {
     return "t_us";
   }
-  if (unit.starts_with("ns") || unit.starts_with("nano") || words.Any({"ns", "nsec", "nanos"})) {
+  if (unit.starts_with("ns") || unit.starts_with("nano") ||
+      words.Any({"ns", "nsec", "nsecs", "nanos", "nanosec"})) {
     return "t_ns";
   }
   return "t";
@@ -182,6 +196,16 @@ std::string AttitudeName(const NameWords& words) {
   return words.Any({"yaw", "azimuth"}) ? "heading" : "";
 }
 
+/// Names a coordinate in m: "east" and "north" of a grid, or "x", "y", "z".
+std::string PlaneName(const NameWords& words) {
+  if (words.Any({"easting", "east"})) return "east";
+  if (words.Any({"northing", "north"})) return "north";
+  if (words.Is("up")) return "up";
+  const char axis = words.BodyAxis();
+  const bool position = words.Any({"t", "p", "pos", "position", "translation", "ecef"});
+  return axis != 0 && (position || words.Only(NamePart(&axis, 1))) ? std::string(1, axis) : "";
+}
+
 std::string MapName(const NameWords& words) {
   const bool velocity = words.Any({"v", "vel", "velocity", "sdv", "stdv"});
   const char direction = words.MapDirection();
@@ -190,13 +214,21 @@ std::string MapName(const NameWords& words) {
     const std::string prefix = IsSigma(words) ? (velocity ? "sigma_v" : "sigma_") : "v";
     return prefix + direction;
   }
-  if (words.Any({"sea", "sealevel", "msl", "above", "amsl", "geoid", "undulation", "separation",
-                 "sonar", "max"})) {
-    return {};
+  const bool has_height = words.Any({"h", "height", "hgt", "alt", "altitude", "ellipsoidal"});
+  if (words.Is("undulation") || (words.Is("geoid") && !words.Is("above"))) return "undulation";
+  if (words.Any({"sea", "sealevel", "msl", "amsl", "orthometric", "geoid"})) {
+    return has_height || words.Any({"msl", "amsl"}) ? "h_msl" : "";
   }
-  if (words.Any({"lat", "latitude"})) return "lat";
-  if (words.Any({"lon", "lng", "long", "longitude"})) return "lon";
-  return words.Any({"h", "height", "hgt", "alt", "altitude", "ellipsoidal"}) ? "h" : "";
+  if (words.Any({"above", "separation", "sonar", "max"})) return {};
+  for (const char* angle : {"lat", "lon"}) {
+    if (!words.Any(angle == NamePart("lat") ? Choices{"lat", "latitude"}
+                                            : Choices{"lon", "lng", "long", "longitude"})) {
+      continue;
+    }
+    if (words.Any({"min", "minutes"})) return std::string(angle) + "_min";
+    return words.Any({"sec", "seconds"}) ? std::string(angle) + "_sec" : angle;
+  }
+  return has_height ? "h" : PlaneName(words);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace dn::files_internal {
 
 /// Quantity and unit of a column, determined from its name in a header.
 struct ColumnMeaning {
-  /// A name that CheckColumnNames accepts, with its sign; empty if the name says nothing known.
+  /// A name that CheckColumnNames accepts, or h_msl; empty if the name says nothing known.
   std::string name;
   std::string unit;  ///< in lower case, without blanks; empty if the name states none
 };

@@ -16,6 +16,7 @@
 #include "content_fit.h"
 #include "gnss_content.h"
 #include "imu_content.h"
+#include "message_log.h"
 #include "picked_columns.h"
 #include "spaced_rows.h"
 #include "trajectory_content.h"
@@ -30,20 +31,14 @@ using files_internal::TextSample;
 
 constexpr std::size_t kRowsLookedAt = 4000;
 constexpr std::size_t kBytesLookedAt = std::size_t{1} << 16;
+// A log at 200 Hz has this many bytes in 10 s or more, with a position in each second.
+constexpr std::size_t kMessageBytesLookedAt = std::size_t{1} << 20;
 
 bool IsTime(double t_s) { return IsWeekSeconds(t_s) || files_internal::FindTimeOffset(t_s) != 0.0; }
 
-/// Returns whether the first column is the same in all rows, such as a GPS week.
-bool IsFirstColumnConstant(const TextTable& table) {
-  for (std::size_t i = 1; i < table.rows(); ++i) {
-    if (table.row(i)[0] != table.row(0)[0]) return false;
-  }
-  return table.rows() > 1;
-}
-
 bool IsPairs(const TextTable& table) {
   if (table.columns != 8 && table.columns != 14) return false;
-  if (IsFirstColumnConstant(table)) return false;
+  if (files_internal::IsWeek(table, 0)) return false;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* row = table.row(i);
     const double range_m = Eigen::Map<const Eigen::Vector3d>(row + 2).norm();
@@ -170,8 +165,13 @@ std::string SentenceReason(const std::string& beginning) {
   return "sentences of type " + type.substr(0, 10) + ", but no GGA with positions";
 }
 
+void DescribeGnssLog(GnssFormat format, FileContent* content) {
+  content->kind = FileKind::kGnss;
+  content->gnss_format = format;
+  content->has_sigma = format == GnssFormat::kRtklib;
+}
+
 void DescribeFile(FileContent* content) {
-  ExpectRegularFile(content->file);
   const std::string beginning = ReadBeginning(content->file, kBytesLookedAt);
   const std::string sample = beginning.substr(0, 4096);
   if (beginning.empty()) {
@@ -183,14 +183,45 @@ void DescribeFile(FileContent* content) {
   } else if (IsBinary(sample)) {
     DescribeBinary(beginning, fs::file_size(content->file), content);
   } else if (const auto format = files_internal::FindGnssFormat(beginning)) {
-    content->kind = FileKind::kGnss;
-    content->gnss_format = *format;
-    content->has_sigma = *format == GnssFormat::kRtklib;
+    DescribeGnssLog(*format, content);
   } else if (beginning.starts_with('$')) {
     content->why = SentenceReason(beginning);
   } else {
     DescribeText(content);
   }
+}
+
+/// Returns the contents of a log with messages; empty for other files. NMEA sentences in it are
+/// used if it has no other positions.
+std::vector<FileContent> InspectMessages(const fs::path& file) {
+  const std::string beginning = ReadBeginning(file, kMessageBytesLookedAt);
+  std::vector<FileContent> contents = files_internal::FindMessages(file, beginning);
+  const bool has_gnss = std::any_of(contents.begin(), contents.end(), [](const FileContent& each) {
+    return each.kind == FileKind::kGnss;
+  });
+  const auto format = files_internal::FindGnssFormat(beginning);
+  if (!contents.empty() && !has_gnss && format) {
+    contents.emplace_back().file = file;
+    DescribeGnssLog(*format, &contents.back());
+  }
+  return contents;
+}
+
+/// Returns the contents of a file, at least one.
+std::vector<FileContent> InspectParts(const fs::path& file) {
+  FileContent content;
+  content.file = file;
+  try {
+    ExpectRegularFile(file);
+    std::vector<FileContent> messages = InspectMessages(file);
+    if (!messages.empty()) return messages;
+    DescribeFile(&content);
+  } catch (const std::exception& error) {
+    content = FileContent();
+    content.file = file;
+    content.why = error.what();
+  }
+  return {content};
 }
 
 }  // namespace
@@ -206,18 +237,7 @@ double files_internal::FindTimeOffset(double t_s) {
   return since_1970_s + kWeekS * std::floor((t_s - since_1970_s) / kWeekS);
 }
 
-FileContent InspectFile(const fs::path& file) {
-  FileContent content;
-  content.file = file;
-  try {
-    DescribeFile(&content);
-  } catch (const std::exception& error) {
-    content = FileContent();
-    content.file = file;
-    content.why = error.what();
-  }
-  return content;
-}
+FileContent InspectFile(const fs::path& file) { return InspectParts(file).front(); }
 
 std::vector<FileContent> InspectFolder(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -227,7 +247,9 @@ std::vector<FileContent> InspectFolder(const fs::path& folder) {
   }
   std::sort(files.begin(), files.end());
   std::vector<FileContent> contents;
-  for (const fs::path& file : files) contents.push_back(InspectFile(file));
+  for (const fs::path& file : files) {
+    for (FileContent& content : InspectParts(file)) contents.push_back(std::move(content));
+  }
   return contents;
 }
 

@@ -64,9 +64,10 @@ bool IsLongitudeFirst(const TextTable& table) {
   return beyond;
 }
 
-/// Columns of a choice: a position, and perhaps more triples.
+/// Columns of a choice: a position, perhaps more triples, and columns that are added to others.
 struct GnssChoice {
-  std::vector<NamedColumn> position, rest;
+  std::vector<NamedColumn> position, rest, added = {};
+  std::string note = {};  ///< what is uncertain about the columns
   double prior = 1.0;
 };
 
@@ -89,15 +90,31 @@ void AppendTriple(const std::optional<std::vector<NamedColumn>>& triple,
   if (triple) to->insert(to->end(), triple->begin(), triple->end());
 }
 
+/// Altitudes are above the ellipsoid in some programs, above the sea or the ground in others.
+std::string AltitudeNote(const std::string& name) {
+  const auto has = [&](const char* part) { return name.find(part) != name.npos; };
+  const bool altitude = (has("alt") || has("Alt") || has("ALT")) && !has("llips") && !has("LLIPS");
+  return altitude ? "make sure that '" + name + "' is above the ellipsoid" : std::string();
+}
+
 std::optional<GnssChoice> NamedGnssChoice(const TextSample& sample) {
   const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
-  const auto position = FindTriple(meanings, kPosition);
+  auto position = FindTriple(meanings, kPosition);
+  const auto undulation = FindColumn(meanings, "undulation");
+  const bool above_sea = !position && undulation;
+  if (above_sea) position = FindTriple(meanings, {"lat", "lon", "h_msl"});
   if (!position) return std::nullopt;
   GnssChoice choice{*position, {}};
+  choice.added = FindMinutes(meanings);
+  if (above_sea) {
+    choice.position.back().name = "h";
+    choice.added.push_back(*undulation);
+  }
   for (int i = 0; i < 2; ++i) {
     NamedColumn& angle = choice.position[static_cast<std::size_t>(i)];
     if (meanings[angle.at].unit.starts_with("rad")) angle.name += "_rad";
   }
+  if (!above_sea) choice.note = AltitudeNote(sample.names[choice.position.back().at]);
   AppendTriple(FindTriple(meanings, kSigma), &choice.rest);
   const auto velocity = FindTriple(meanings, kVelocity);
   const auto sigma = FindTriple(meanings, kVelocitySigma);
@@ -186,11 +203,13 @@ ContentFit FitGnssChoice(const TextSample& sample, const TimeColumn& time, GnssC
     std::swap(choice.position[0].name, choice.position[1].name);
     content.why = "the longitude comes before the latitude";
   }
+  if (content.why.empty()) content.why = choice.note;
   const bool plain = IsPlainGnss(sample, time, choice);
   DescribeGnss(table, plain, &content);
   if (!plain) {
     all = choice.position;
     all.insert(all.end(), choice.rest.begin(), choice.rest.end());
+    all.insert(all.end(), choice.added.begin(), choice.added.end());
     content.columns = FormatNames(time, all);
   }
   ContentFit fit = tests.Result(std::move(content));

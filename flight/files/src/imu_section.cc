@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/files/effect_times.h>
+#include <dn/geo/text_fields.h>
 #include <dn/imu/unknown_imu.h>
 #include <dn/names.h>
 
@@ -70,6 +71,11 @@ bool SameNoise(const SensorNoise& a, const SensorNoise& b) {
   return true;
 }
 
+/// Reads a word, or the size of one unit as a number.
+double ReadUnit(const YamlValue& value, const Words<double>& words) {
+  return FieldNumber(value.Text()) ? ReadPositive(value) : value.Choice(words);
+}
+
 ImuVibration ReadVibration(const YamlValue& item) {
   item.ExpectMap({"window_s", "sigma_gyro_deg_s", "sigma_accel_m_s2"});
   if (!item["window_s"]) item["window_s"].Fail("is missing");
@@ -109,10 +115,10 @@ ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
   imu.read.columns = ReadColumnNames(section, ImuQuantities());
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
   if (section["rate_unit"]) {
-    imu.read.rate_unit_radps = section["rate_unit"].Choice(RateUnitWords());
+    imu.read.rate_unit_radps = ReadUnit(section["rate_unit"], RateUnitWords());
   }
   if (section["force_unit"]) {
-    imu.read.force_unit_mps2 = section["force_unit"].Choice(ForceUnitWords());
+    imu.read.force_unit_mps2 = ReadUnit(section["force_unit"], ForceUnitWords());
   }
   if (section["R_imu_to_body"]) imu.read.R_imu_to_body = ReadRotation(section["R_imu_to_body"]);
   if (body_is_flu) FlipBody(&imu.read.R_imu_to_body);

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "content_fit.h"
+
 namespace dn::files_internal {
 namespace {
 
@@ -16,6 +18,8 @@ struct TimeUnit {
 constexpr std::array<TimeUnit, 4> kTimeUnits{
     {{"t", 1.0}, {"t_ms", 1e-3}, {"t_us", 1e-6}, {"t_ns", 1e-9}}};
 
+constexpr double kNanosecond = 1e-9;
+
 // The share of the steps that must be positive; the others are repeated rows.
 constexpr double kLeastIncreasing = 0.9;
 
@@ -25,23 +29,13 @@ double UnitSeconds(const std::string& name) {
       ->seconds;
 }
 
-/// Returns whether a column is a GPS week: one whole number, or two adjacent ones.
-bool IsWeek(const TextTable& table, std::size_t at) {
-  constexpr double kFirstWeek = 500.0, kLastWeek = 4000.0;
-  const double first = table.row(0)[at];
-  for (std::size_t i = 0; i < table.rows(); ++i) {
-    const double week = table.row(i)[at];
-    if (week != std::floor(week) || week < kFirstWeek || week > kLastWeek) return false;
-    if (week != first && week != first + 1.0) return false;
-  }
-  return true;
-}
-
 std::vector<double> Times(const TextSample& sample, const TimeColumn& time) {
   std::vector<double> times;
   for (const double value : PickRows(sample, time, {}).values) times.push_back(value);
   return times;
 }
+
+bool IsTime(double t_s) { return IsWeekSeconds(t_s) || FindTimeOffset(t_s) != 0.0; }
 
 /// Sets the unit by the size of the steps. Returns false if no unit fits, or if the time does not
 /// increase.
@@ -61,15 +55,62 @@ bool FindUnit(const TextSample& sample, const StepRange& range, bool unit_is_nam
     return step_s >= range.least_s && step_s <= range.most_s;
   };
   if (unit_is_named) return plausible(step);
-  for (const TimeUnit& unit : kTimeUnits) {
-    if (!plausible(step * unit.seconds)) continue;
-    time->name = unit.name;
-    return true;
+  // The steps of several units may be plausible, but only one gives valid times.
+  for (const bool valid : {true, false}) {
+    for (const TimeUnit& unit : kTimeUnits) {
+      if (!plausible(step * unit.seconds)) continue;
+      if (valid && !IsTime(times.front() * unit.seconds)) continue;
+      time->name = unit.name;
+      return true;
+    }
   }
   return false;
 }
 
+/// Returns whether all values are nanoseconds within a second.
+bool AreNanoseconds(const TextTable& table, std::size_t at) {
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double value = table.row(i)[at];
+    if (!(value >= 0.0 && value < 1.0 / kNanosecond)) return false;
+  }
+  return true;
+}
+
+/// Returns whether a time is the stamp of a sensor, not the time of recording.
+bool IsStamp(const std::string& name) {
+  const std::size_t at = name.find("stamp");
+  return at != name.npos && (at == 0 || name[at - 1] == '.' || name[at - 1] == '_');
+}
+
+/// Returns the columns with a time in their name, stamps first: whole seconds with nanoseconds,
+/// then single columns.
+std::vector<TimeColumn> NamedTimes(const TextSample& sample,
+                                   const std::vector<ColumnMeaning>& meanings) {
+  std::vector<TimeColumn> times;
+  for (const bool stamp : {true, false}) {
+    for (std::size_t i = 0; i < meanings.size(); ++i) {
+      if (!meanings[i].name.starts_with("t") || IsStamp(sample.names[i]) != stamp) continue;
+      const bool pair = meanings[i].name == "t" && i + 1 < meanings.size() &&
+                        meanings[i + 1].name == "t_ns" && AreNanoseconds(sample.table, i + 1);
+      if (pair) times.push_back({i, {}, "t", i + 1});
+      times.push_back({i, {}, meanings[i].name});
+    }
+  }
+  return times;
+}
+
 }  // namespace
+
+bool IsWeek(const TextTable& table, std::size_t at) {
+  constexpr double kFirstWeek = 500.0, kLastWeek = 4000.0;
+  const double first = table.row(0)[at];
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double week = table.row(i)[at];
+    if (week != std::floor(week) || week < kFirstWeek || week > kLastWeek) return false;
+    if (week != first && week != first + 1.0) return false;
+  }
+  return true;
+}
 
 std::vector<ColumnMeaning> FindMeanings(const TextSample& sample) {
   std::vector<ColumnMeaning> meanings;
@@ -85,14 +126,20 @@ std::optional<NamedColumn> FindColumn(const std::vector<ColumnMeaning>& meanings
   return std::nullopt;
 }
 
+std::vector<NamedColumn> FindMinutes(const std::vector<ColumnMeaning>& meanings) {
+  std::vector<NamedColumn> added;
+  for (const char* name : {"lat_min", "lat_sec", "lon_min", "lon_sec"}) {
+    if (const auto column = FindColumn(meanings, name)) added.push_back(*column);
+  }
+  return added;
+}
+
 std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps) {
   const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   const auto week = FindColumn(meanings, "week");
-  for (std::size_t i = 0; i < meanings.size(); ++i) {
-    if (!meanings[i].name.starts_with("t")) continue;
-    TimeColumn time{i, {}, meanings[i].name};
+  for (TimeColumn& time : NamedTimes(sample, meanings)) {
     if (week) time.week = week->at;
-    const bool unit_is_named = !meanings[i].unit.empty() || time.name != "t";
+    const bool unit_is_named = !meanings[time.at].unit.empty() || time.name != "t";
     if (FindUnit(sample, steps, unit_is_named, &time)) return time;
   }
   std::vector<TimeColumn> candidates{{0, {}}};
@@ -115,6 +162,7 @@ TextTable PickRows(const TextSample& sample, const TimeColumn& time,
   for (std::size_t i = 0; i < sample.table.rows(); ++i) {
     const double* row = sample.table.row(i);
     values.assign(1, row[time.at] * UnitSeconds(time.name));
+    if (time.nanoseconds) values[0] += kNanosecond * row[*time.nanoseconds];
     if (time.week) values[0] += kWeekS * (row[*time.week] - sample.table.row(0)[*time.week]);
     for (const NamedColumn& column : columns) values.push_back(row[column.at]);
     if (!std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
@@ -129,6 +177,7 @@ ColumnNames FormatNames(const TimeColumn& time, const std::vector<NamedColumn>& 
   std::vector<NamedColumn> all = columns;
   all.push_back({time.name, time.at});
   if (time.week) all.push_back({"week", *time.week});
+  if (time.nanoseconds) all.push_back({"nsec", *time.nanoseconds});
   std::size_t last = 0;
   for (const NamedColumn& column : all) last = std::max(last, column.at);
   ColumnNames names(last + 1, "skip");

@@ -1,5 +1,7 @@
 #include "trajectory_fit.h"
 
+#include <dn/geo/local_frame.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,23 +26,35 @@ constexpr std::array<AttitudeOrder, 4> kAttitudeOrders{
      {{"qw", "-qx", "-qy", "-qz"}, "the quaternions are of the inverse rotation"},
      {{"-qx", "-qy", "-qz", "qw"}, "the quaternions have w last and are of the inverse rotation"}}};
 
+std::string WithoutSignAndUnit(const std::string& name) {
+  const std::size_t begin = name.starts_with('-') ? 1 : 0;
+  return name.substr(begin, name.rfind("_rad") - begin);
+}
+
+double Factor(const std::string& name) {
+  return (name.starts_with('-') ? -1.0 : 1.0) * (name.ends_with("_rad") ? kDegPerRad : 1.0);
+}
+
 /// Returns the columns in the order of the documented format, whatever their order in the file.
 NamedColumns InUsualOrder(const NamedColumns& columns) {
   NamedColumns usual;
   for (const char* name : {"lat", "lon", "h", "qw", "qx", "qy", "qz", "roll", "pitch", "heading"}) {
     for (const NamedColumn& column : columns) {
-      if (column.name == name || column.name == std::string("-") + name) usual.push_back(column);
+      if (WithoutSignAndUnit(column.name) == name) usual.push_back(column);
     }
   }
   return usual;
 }
 
-TextTable SignedRows(const TextSample& sample, const TimeColumn& time,
-                     const NamedColumns& columns) {
+/// Returns the rows in deg and with the signs of the names.
+TextTable RowsInDegrees(const TextSample& sample, const TimeColumn& time,
+                        const NamedColumns& columns) {
   TextTable table = PickRows(sample, time, columns);
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (!columns[c].name.starts_with('-')) continue;
-    for (std::size_t i = 0; i < table.rows(); ++i) table.values[i * table.columns + 1 + c] *= -1.0;
+    const double factor = Factor(columns[c].name);
+    if (factor == 1.0) continue;
+    for (std::size_t i = 0; i < table.rows(); ++i)
+      table.values[i * table.columns + 1 + c] *= factor;
   }
   return table;
 }
@@ -49,20 +63,51 @@ TextTable SignedRows(const TextSample& sample, const TimeColumn& time,
 struct TrajectoryChoice {
   NamedColumns columns;
   std::string text;
+  NamedColumns added = {};  ///< minutes and seconds
 };
 
-std::optional<TrajectoryChoice> NamedTrajectoryChoice(const TextSample& sample) {
-  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
-  const auto all = [&](const std::vector<std::string>& names) {
+TrajectoryChoice WithAnglesInRadians(TrajectoryChoice choice) {
+  for (NamedColumn& column : choice.columns) {
+    const bool angle = column.name == "roll" || column.name == "pitch" || column.name == "heading";
+    if (angle) column.name += "_rad";
+  }
+  choice.text += choice.text.empty() ? "" : ", and ";
+  choice.text += "the angles are in rad";
+  return choice;
+}
+
+/// Returns the named columns of one of several sets; empty if no set is complete.
+NamedColumns FindSet(const std::vector<ColumnMeaning>& meanings,
+                     const std::vector<std::vector<std::string>>& sets) {
+  for (const std::vector<std::string>& names : sets) {
     NamedColumns columns;
     for (const std::string& name : names) {
-      if (const auto column = FindColumn(meanings, name)) columns.push_back(*column);
+      std::optional<NamedColumn> column = FindColumn(meanings, name);
+      if (!column) break;
+      if (meanings[column->at].unit.starts_with("rad")) column->name += "_rad";
+      columns.push_back(*column);
     }
-    return columns.size() == names.size() ? std::optional(columns) : std::nullopt;
-  };
-  auto columns = all({"lat", "lon", "h", "qw", "qx", "qy", "qz"});
-  if (!columns) columns = all({"lat", "lon", "h", "roll", "pitch", "heading"});
-  return columns ? std::optional(TrajectoryChoice{*columns, ""}) : std::nullopt;
+    if (columns.size() == names.size()) return columns;
+  }
+  return {};
+}
+
+/// Returns the columns with known names, with angles in the unit of their name, else in deg or rad.
+std::vector<TrajectoryChoice> NamedTrajectoryChoices(const TextSample& sample) {
+  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
+  NamedColumns columns = FindSet(
+      meanings,
+      {{"lat", "lon", "h"}, {"east", "north", "h"}, {"east", "north", "up"}, {"x", "y", "z"}});
+  const NamedColumns attitude =
+      FindSet(meanings, {{"qw", "qx", "qy", "qz"}, {"roll", "pitch", "heading"}});
+  if (columns.empty() || attitude.empty()) return {};
+  columns.insert(columns.end(), attitude.begin(), attitude.end());
+  std::vector<TrajectoryChoice> choices{{columns, "", FindMinutes(meanings)}};
+  const bool angles = attitude.front().name == "roll";
+  if (angles && meanings[attitude.front().at].unit.empty()) {
+    choices.push_back(WithAnglesInRadians(choices.front()));
+  }
+  return choices;
 }
 
 /// Returns the usual columns first, then other orders.
@@ -83,6 +128,7 @@ std::vector<TrajectoryChoice> TrajectoryChoicesByCount(const TextSample& sample,
         columns.push_back({name, columns.back().at + 1});
       }
       choices.push_back({InUsualOrder(columns), text});
+      choices.push_back(WithAnglesInRadians(choices.back()));
       continue;
     }
     for (const AttitudeOrder& order : kAttitudeOrders) {
@@ -99,7 +145,7 @@ bool IsPlainTrajectory(const TextSample& sample, const TimeColumn& time,
                        const TrajectoryChoice& choice) {
   if (sample.needs_names || time.week || time.at != 0 || time.name != "t") return false;
   for (std::size_t i = 0; i < choice.columns.size(); ++i) {
-    if (choice.columns[i].at != i + 1 || choice.columns[i].name.starts_with('-')) return false;
+    if (choice.columns[i].at != i + 1 || Factor(choice.columns[i].name) != 1.0) return false;
   }
   return sample.table.columns == choice.columns.size() + 1;
 }
@@ -108,7 +154,7 @@ bool IsPlainTrajectory(const TextSample& sample, const TimeColumn& time,
 const TrajectoryChoice& BestTrajectoryChoice(const TextSample& sample, const TimeColumn& time,
                                              const std::vector<TrajectoryChoice>& choices) {
   for (const TrajectoryChoice& choice : choices) {
-    const TextTable table = SignedRows(sample, time, choice.columns);
+    const TextTable table = RowsInDegrees(sample, time, choice.columns);
     if (table.rows() == 0) continue;
     if (CourseAgreement(table).value_or(0.0) >= kLeastCourseAgreement) return choice;
   }
@@ -123,15 +169,13 @@ ContentFit FitTrajectory(const TextSample& sample) {
   FitTests tests(4.0);
   const std::optional<TimeColumn> time = FindTime(sample, kTrajectorySteps);
   if (!tests.Expect(time.has_value(), "no time that increases")) return tests.Result(content);
-  std::vector<TrajectoryChoice> choices;
-  if (const std::optional<TrajectoryChoice> named = NamedTrajectoryChoice(sample)) {
-    choices.push_back(*named);
-  } else if (!FindColumn(FindMeanings(sample), "lat")) {
+  std::vector<TrajectoryChoice> choices = NamedTrajectoryChoices(sample);
+  if (choices.empty() && !FindColumn(FindMeanings(sample), "lat")) {
     choices = TrajectoryChoicesByCount(sample, *time);
   }
   if (!tests.Expect(!choices.empty(), "no position and attitude")) return tests.Result(content);
   const TrajectoryChoice& choice = BestTrajectoryChoice(sample, *time, choices);
-  const TextTable table = SignedRows(sample, *time, choice.columns);
+  const TextTable table = RowsInDegrees(sample, *time, choice.columns);
   const bool numbers =
       table.rows() > 0 && static_cast<double>(table.rows()) >=
                               kLeastNumericRows * static_cast<double>(sample.table.rows());
@@ -141,8 +185,11 @@ ContentFit FitTrajectory(const TextSample& sample) {
                "no unit quaternion, and no heading that follows the course");
   content.time_offset_s = FindTimeOffset(table.row(0)[0]);
   content.why = choice.text;
-  if (!IsPlainTrajectory(sample, *time, choice))
-    content.columns = FormatNames(*time, choice.columns);
+  if (!IsPlainTrajectory(sample, *time, choice)) {
+    NamedColumns all = choice.columns;
+    all.insert(all.end(), choice.added.begin(), choice.added.end());
+    content.columns = FormatNames(*time, all);
+  }
   return tests.Result(std::move(content));
 }
 

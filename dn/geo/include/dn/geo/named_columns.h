@@ -9,12 +9,12 @@
 namespace dn {
 
 /// Names of the columns of a text file, in the order of the file:
-///
-///   t, t_ms, t_us, t_ns   time in s, ms, us, ns
-///   week                  GPS week; the time counts from the week of the first row
-///   skip                  a column that is not used
-///   NAME, -NAME           a quantity, with the opposite sign
-///   NAME_rad              an angle in rad of a quantity in deg
+///   t, t_ms, t_us, t_ns  time in s, ms, us, ns; nsec: nanoseconds, added to t
+///   week, skip           GPS week, counted from that of the first row; a column that is not used
+///   NAME, -NAME          a quantity, with the opposite sign; NAME_rad: an angle in rad, not deg
+///   lat_min, lat_sec     minutes and seconds, added to lat; the same for lon
+///   undulation           height of the geoid, added to h
+///   =TEXT, =TEXT|TEXT    only rows with this text are used; as first name, SplitMessage applies
 ///
 /// Some quantities have several names: lat, east, x; lon, north, y; h, up, z; heading, yaw; and
 /// vd, sigma_d, sigma_vd, which are -vu, sigma_u, sigma_vu.
@@ -31,11 +31,11 @@ std::string FormatColumnNames(const ColumnNames& names);
 void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& quantities);
 
 /// Reads a text file into a table with the columns time [s] and `quantities`. Lines before the
-/// first row whose time is a number are a header and ignored, as are lines that begin with # or %.
-/// Columns after the last name and the values of columns named `skip` are ignored. Fields are split
-/// by SplitFields. Throws InvalidInput naming file:line for a row with fewer columns than names,
-/// and for a value of a used column that is not a finite number. Throws InvalidInput if a quantity
-/// has no column. Rows after the first max_rows are not read.
+/// first row with a time and all columns are a header and ignored, as are lines that begin with #
+/// or %. Columns after the last name and the values of columns named `skip` are ignored. Fields are
+/// split by SplitFields. Throws InvalidInput naming file:line for a row with too few columns, and
+/// for a value of a used column that is not a finite number. Throws InvalidInput if a quantity has
+/// no column. Rows after the first max_rows are not read.
 TextTable ReadNamedColumns(const std::filesystem::path& file, const ColumnNames& names,
                            const std::vector<std::string>& quantities,
                            std::size_t max_rows = SIZE_MAX);

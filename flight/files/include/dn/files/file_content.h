@@ -26,6 +26,8 @@ struct FileContent {
   ImuFormat imu_format = ImuFormat::kOdyn;
   bool rates_in_deg = false;  ///< for kImu: rates in deg/s or angles in deg
   bool forces_in_g = false;   ///< for kImu: forces in g
+  /// For kImu in counts: rad/s (rad) and m/s^2 (m/s) of one count; 0 for other units.
+  double rate_unit = 0.0, force_unit = 0.0;
   GnssFormat gnss_format = GnssFormat::kOdyn;
   bool has_sigma = false;     ///< for kGnss: the positions have sigmas
   bool has_velocity = false;  ///< for kGnss: the file has velocities
@@ -50,10 +52,12 @@ struct FileContent {
 ///   kPointCloud  the signature of LAS or LAZ
 ///   kSmrmsg      records of POSPac's smrmsg
 ///
-/// Does not throw for any content of the file.
+/// Does not throw for any content of the file. A log with several kinds of messages gives the first
+/// kind; InspectFolder gives all.
 FileContent InspectFile(const std::filesystem::path& file);
 
-/// Returns the content of the entries of a folder, sorted by name. Folders, hidden files, YAML and
+/// Returns the contents of the entries of a folder, sorted by name. A log with several kinds of
+/// messages has one content for each. Folders, hidden files, YAML and
 /// JSON are left out. An entry that cannot be read, such as a dangling link, is of unknown kind.
 std::vector<FileContent> InspectFolder(const std::filesystem::path& folder);
 
