@@ -452,6 +452,24 @@ double SizeAveragedEvidence::LogEvidence(const Eigen::VectorXd& s) const {
   return sum.Value();
 }
 
+LinearMoments SizeAveragedEvidence::Moments(const Eigen::VectorXd& s,
+                                            const Eigen::MatrixXd& F) const {
+  const Eigen::VectorXd c = W_.transpose() * s;
+  const Eigen::MatrixXd FW = F * W_;
+  const double log_evidence = LogEvidence(s);
+  LinearMoments out{Eigen::VectorXd::Zero(F.rows()), Eigen::MatrixXd::Zero(F.rows(), F.rows())};
+  for (std::size_t g = 0; g < log_growth_.size(); ++g) {
+    const double v = PriorVariance(g);
+    const double weight = SizePrior::kProbability[g] * std::exp(LogEvidence(s, v) - log_evidence);
+    const Eigen::VectorXd gain = v / (1.0 + v * d_.array());
+    const Eigen::VectorXd mean = -FW * gain.cwiseProduct(c);
+    out.mean += weight * mean;
+    out.covariance += weight * (FW * gain.asDiagonal() * FW.transpose() + mean * mean.transpose());
+  }
+  out.covariance -= out.mean * out.mean.transpose();
+  return out;
+}
+
 Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const EffectModel& effect,
                                const Eigen::MatrixXd& R) {
   const Eigen::Index q = effect.empty() ? 0 : effect.front().L.cols();
