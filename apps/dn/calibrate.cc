@@ -2,8 +2,10 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
+#include <dn/files/strip_files.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
+#include <dn/report/value_words.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +14,7 @@
 #include "calibrate_strips.h"
 #include "flight_run.h"
 #include "given_trajectory.h"
+#include "new_strips.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -22,6 +25,7 @@ struct CalibrateOptions {
   std::string flight;
   std::string method;  ///< empty: chosen from the available data
   std::string trajectory;
+  bool georef = false;  ///< also georeferences the strips with the result
 };
 
 void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
@@ -89,7 +93,7 @@ void PrintUnknowns(const std::vector<UnknownEstimate>& unknowns) {
   for (const UnknownEstimate& unknown : unknowns) {
     fmt::print("{} [{}], correction to the assumed value:", unknown.name, unknown.unit);
     for (std::size_t i = 0; i < unknown.value.size(); ++i) {
-      fmt::print(" {:.6g} +- {:.2g}", unknown.value[i], unknown.sigma[i]);
+      fmt::print(" {}", FormatWithSigma(unknown.value[i], unknown.sigma[i]));
     }
     fmt::print("\n");
   }
@@ -298,18 +302,50 @@ void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* 
   AddTrajectoryFiles(flight_run, run);
   AddSwaths(flight_run.flight, network.pairs, network.poses, run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
-  run->AddFile("result" + suffix + ".json",
-               FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
-                                          flight_run.solution->trajectory(),
-                                          flight_run.solution->model_check(), network.boresight,
-                                          network.unknowns, network.pairs, flight_run.timings)));
+  const std::string result = FormatJson(
+      CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
+                      flight_run.solution->trajectory(), flight_run.solution->model_check(),
+                      network.boresight, network.unknowns, network.pairs, flight_run.timings));
+  run->AddFile("result" + suffix + ".json", result);
+  if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use
   FillReport(flight_run, run);
 }
 
-void RunNetwork(const FlightConfig& config, Run& run) {
+/// Stages the strips of the flight with the boresight, unless that is not reliable. `adjusted`: the
+/// trajectory of the network; null: that of the flight.
+void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
+                  const Trajectory* adjusted, Run* run) {
+  if (boresight.verdict == Verdict::kContradicted || boresight.verdict == Verdict::kNotObservable) {
+    run->progress().Warn(fmt::format("the strips are not georeferenced: the boresight is {}",
+                                     Word(boresight.verdict)));
+    return;
+  }
+  NewStrips work;
+  work.config = config;
+  const bool own = HasTrajectory(config);
+  Flight flight = ReadFlight(config, {.trajectory = own});
+  work.frame = flight.frame;
+  GeoreferenceOptions& options = work.options;
+  options = StatedGeoreferencing(config, run->options().threads);
+  options.mounting.boresight_rad = boresight.angles_rad;
+  if (adjusted != nullptr) {
+    options.trajectory = *adjusted;
+    work.config = WithTrajectory(config, (run->options().out / "trajectory.out").string());
+    options.made_by = std::move(flight.trajectory);
+  } else {
+    options.trajectory = std::move(*flight.trajectory);
+  }
+  GeoreferenceStrips(std::move(work), *run);
+}
+
+void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
   const NetworkRun network = CalibrateByNetwork(AdjustFlight(config, true, &run));
   AddNetworkFiles(network, "", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
+  if (options.georef) {
+    AddNewStrips(network.flight_run->flight.config, network.boresight,
+                 &network.flight_run->trajectory, &run);
+  }
   FailUnlessReliable({&network.boresight});
 }
 
@@ -334,7 +370,7 @@ void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
       FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.check, pairs, gh.timings)));
 }
 
-void RunGaussHelmert(const FlightConfig& config, Run& run) {
+void RunGaussHelmert(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
   double read_s = 0.0;
   const Flight flight = ReadForGaussHelmert(config, false, &read_s, &run);
   const GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
@@ -342,6 +378,7 @@ void RunGaussHelmert(const FlightConfig& config, Run& run) {
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   FillReport(flight, gh, &run);
   PrintResult(flight.config, gh.calibration, gh.timings);
+  if (options.georef) AddNewStrips(flight.config, gh.calibration.boresight, nullptr, &run);
   FailUnlessReliable({&gh.calibration.boresight});
 }
 
@@ -378,6 +415,7 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
                                {"solve", planes.timings.solve_s},
                                {"covariance", planes.timings.covariance_s}};
   PrintResult(flight.config, planes);
+  if (options.georef) AddNewStrips(flight.config, planes.calibration.boresight, nullptr, &run);
   FailUnlessReliable({&planes.calibration.boresight});
 }
 
@@ -446,6 +484,12 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   PrintResult(config, gh.calibration, gh.timings);
   PrintDifference("gh - dn", Compare(gh.calibration.boresight, network.boresight));
   PrintPlanesOrReason(config, planes, network.boresight);
+  fmt::print(
+      "use the angles of dn (result.json): it uses all data; the other methods are checks of it\n");
+  if (options.georef) {
+    AddNewStrips(network.flight_run->flight.config, network.boresight,
+                 &network.flight_run->trajectory, &run);
+  }
   FailUnlessReliable(results);
 }
 
@@ -458,9 +502,9 @@ void CalibrateBy(const Methods& methods, const CalibrateOptions& options,
   } else if (methods.planes) {
     RunPlanes(options, config, run);
   } else if (methods.gh) {
-    RunGaussHelmert(config, run);
+    RunGaussHelmert(options, config, run);
   } else {
-    RunNetwork(config, run);
+    RunNetwork(options, config, run);
   }
 }
 
@@ -468,6 +512,10 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
   const FlightConfig config =
       WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
+  if (options.georef) {
+    ExpectGeoreferenceable(config);
+    RequireStripFiles(config.folder);
+  }
   if ((methods.dn || methods.gh) && HasStripsAlone(config)) {
     CalibrateStrips(
         ReadFlightConfig(options.flight, options.common.changes), options.trajectory, run,
@@ -498,6 +546,9 @@ void AddCalibrate(CLI::App* program, Action* action) {
   app->add_option("--trajectory", options->trajectory,
                   "Smoothed trajectory for gh and planes (SBET .out or text). Default: that of "
                   "the flight");
+  app->add_flag("--georef", options->georef,
+                "Also writes the strips of the flight with the new boresight and, by the dynamic "
+                "network, the adjusted trajectory: strips/, as `dn georef` does");
   AddCommonOptions(app, &options->common, true);
   app->footer(
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");

@@ -14,6 +14,7 @@
 
 #include "command.h"
 #include "data_hints.h"
+#include "shaking_json.h"
 #include "strip_lines.h"
 
 namespace dn::apps {
@@ -125,6 +126,9 @@ void SummariseImu(const Flight& flight, Json* json) {
       {"t_end_s", imu.t_end_s()},     {"rate_hz", 1.0 / imu.nominal_dt_s},
       {"uneven", imu.uneven},         {"max_jitter_s", imu.max_jitter_s},
       {"gaps", imu.gaps.size()},      {"rows_that_repeat_values", imu.repeated_values}};
+  const std::optional<Shaking> shaking = FindShaking(imu);
+  PrintShaking(shaking, "                ");
+  (*json)["imu"]["shaking"] = ShakingJson(shaking);
 }
 
 /// Prints the attitude of the sensor axes relative to gravity and course, as found in the data.

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSqrtHourPerSqrtS = 1.0 / 60.0;
-// The stated noise is this factor times the median noise per second.
+// The stated noise is this factor times the noise of the data.
 constexpr double kWhiteMargin = 1.5;
 constexpr const char* kDefaultImu = "IMU.txt";
 constexpr const char* kDefaultGnss = "GPS.txt";
@@ -212,9 +212,9 @@ void FlightDraft::Settle() {
     axes_known_ = agreement.directions && agreement.directions->course_b.has_value();
     if (flight.imu) {
       imu_summary_ = ImuSummary(*flight.imu);
-      const WhiteNoiseDensities white = EstimateWhiteNoise(*flight.imu);
-      white_gyro_ = kWhiteMargin * white.gyro_rad_per_sqrt_s;
-      white_accel_ = kWhiteMargin * white.accel_mps_per_sqrt_s;
+      white_ = EstimateWhiteNoise(*flight.imu);
+      white_.gyro_rad_per_sqrt_s *= kWhiteMargin;
+      white_.accel_mps_per_sqrt_s *= kWhiteMargin;
     }
     if (flight.gnss) {
       gnss_summary_ = GnssSummary(*flight.gnss);
@@ -245,8 +245,9 @@ void FlightDraft::SettleScanner() {
 
 std::string FlightDraft::ImuText() const {
   if (!imu_) return {};
-  const double gyro_deg_sqrt_h = std::max(white_gyro_ * kDegPerRad / kSqrtHourPerSqrtS, 1e-4);
-  const double accel_m_s_sqrt_h = std::max(white_accel_ / kSqrtHourPerSqrtS, 1e-4);
+  const double gyro_deg_sqrt_h =
+      std::max(white_.gyro_rad_per_sqrt_s * kDegPerRad / kSqrtHourPerSqrtS, 1e-4);
+  const double accel_m_s_sqrt_h = std::max(white_.accel_mps_per_sqrt_s / kSqrtHourPerSqrtS, 1e-4);
   const BiasClass& biases = FindBiasClass(gyro_deg_sqrt_h);
   std::string text = fmt::format("\n# {}\nimu:\n  file: {}\n  format: {}\n", imu_summary_,
                                  QuoteYaml(Named(imu_->file)),
@@ -261,11 +262,13 @@ std::string FlightDraft::ImuText() const {
                       axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");
   text += OffsetText(imu_offset_s_);
   text += fmt::format(
-      "  # White noise: median over the seconds of the data, times {:g}. The biases are assumed "
-      "for\n"
-      "  # {}: replace them by those of the data sheet or by a preset (grade).\n"
+      "  # White noise: {}, times {:g}.\n"
+      "  # The biases are assumed for {}: replace\n"
+      "  # them by those of the data sheet or by a preset (grade).\n"
       "  gyro: {{white_deg_sqrt_h: {}, processes: [{}]}}\n"
       "  accel: {{white_m_s_sqrt_h: {}, processes: [{}]}}\n",
+      white_.shaking ? "lowest level of the spectra; the platform SHAKES all the time"
+                     : "power of the calmest tenth of the data",
       kWhiteMargin, biases.name, Short(gyro_deg_sqrt_h), biases.gyro, Short(accel_m_s_sqrt_h),
       biases.accel);
   return text;
@@ -287,6 +290,7 @@ std::string FlightDraft::GnssText() const {
         "  sigma_enu_m: [0.03, 0.03, 0.05]   # assumed, a differential solution: the file states "
         "none\n";
   }
+  text += "  processes: auto               # time-correlated errors; [] for none\n";
   return text;
 }
 
@@ -374,6 +378,10 @@ std::vector<std::string> FlightDraft::Missing() const {
     missing.emplace_back("gnss.sigma_enu_m: the file states no sigmas of its positions");
   }
   if (imu_) missing.emplace_back("imu.gyro and imu.accel: biases of the data sheet");
+  if (imu_ && white_.shaking) {
+    missing.emplace_back(
+        "imu.gyro and imu.accel: white noise of the data sheet; the platform shakes all the time");
+  }
   if (imu_ && !axes_known_) {
     missing.emplace_back("imu.R_imu_to_body: without a course the forward axis is unknown");
   }

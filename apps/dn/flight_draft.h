@@ -2,6 +2,7 @@
 
 #include <dn/files/file_content.h>
 #include <dn/files/flight_config.h>
+#include <dn/imu/white_rows.h>
 
 #include <filesystem>
 #include <optional>
@@ -55,7 +56,7 @@ class FlightDraft {
   std::string utm_zone_;  ///< e.g. "32n", from the GNSS positions; empty if unknown
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
   std::string imu_summary_, gnss_summary_;
-  double white_gyro_ = 0.0, white_accel_ = 0.0;  ///< rad/sqrt(s), m/s/sqrt(s)
+  WhiteNoiseDensities white_;  ///< with a margin
   Eigen::Vector3d nadir_s_ = Eigen::Vector3d::UnitZ(), scan_axis_s_ = Eigen::Vector3d::UnitX();
 };
 

@@ -7,6 +7,7 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
+#include <dn/report/value_words.h>
 #include <dn/stopwatch.h>
 #include <fmt/format.h>
 
@@ -89,15 +90,16 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<Finding> findings = flight_run.adjustment().warnings;
   const auto& statistics = flight_run.solution->trajectory().warnings;
   findings.insert(findings.end(), statistics.begin(), statistics.end());
-  if (const auto warning = GnssErrorWarning(flight_run.adjustment())) {
-    findings.push_back(*warning);
-  }
+  const auto& unmodelled = flight_run.solution->model_check().unmodelled;
+  const bool usual = unmodelled && unmodelled->gnss_process_usual.value_or(false);
+  const auto warning = GnssErrorWarning(flight_run.adjustment());
+  if (warning && !usual) findings.push_back(*warning);
   for (const std::string& text : Words(findings)) warnings.push_back(text);
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
     const MapGnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
     warnings.push_back(fmt::format(
-        "{} contradict all other data and were left out, the first at t = {} s ({}:{}); "
+        "{} contradict all other data and were left out, the first at t = {:.3f} s ({}:{}); "
         "report.json lists their {} epochs",
         RejectedCountsText(CountLeftOutGnss(*flight_run.adjustment().network)), first.t_s,
         flight_run.flight.config.gnss->file, first.line, rejected.size()));
@@ -251,12 +253,10 @@ void PrintClocks(const Clocks& clocks) {
   const auto print = [](const char* sensor, const std::optional<ClockEstimate>& clock) {
     if (!clock) return;
     const ClockEstimate alone = clock->WithoutDrift();
-    fmt::print(
-        "  {:<6} offset {:.6f} +- {:.2g} s, drift {:.3f} +- {:.2g} ppm; offset without drift "
-        "{:.6f} "
-        "+- {:.2g} s\n",
-        sensor, clock->offset_s, clock->sigma_offset_s, clock->drift * 1e6,
-        clock->sigma_drift * 1e6, alone.offset_s, alone.sigma_offset_s);
+    fmt::print("  {:<6} offset {} s, drift {} ppm; offset without drift {} s\n", sensor,
+               FormatWithSigma(clock->offset_s, clock->sigma_offset_s),
+               FormatWithSigma(clock->drift * 1e6, clock->sigma_drift * 1e6),
+               FormatWithSigma(alone.offset_s, alone.sigma_offset_s));
   };
   if (!clocks.gnss && !clocks.lidar) return;
   fmt::print(

@@ -16,6 +16,7 @@
 #include "command.h"
 #include "given_trajectory.h"
 #include "json_file.h"
+#include "new_strips.h"
 #include "option_checks.h"
 #include "shown_text.h"
 
@@ -27,6 +28,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kMaxAngleDeg = 180.0;
+constexpr const char* kAdjustedTrajectory = "trajectory.out";
 // The standard deviation across a Gaussian beam is a quarter of its divergence. The divergence is
 // the full angle at which the intensity has fallen by the factor e^2.
 constexpr double kBeamSigmas = 4.0;
@@ -45,6 +47,7 @@ struct GeorefOptions {
 
 /// Boresight in a result.json.
 struct StoredBoresight {
+  std::string method;   ///< empty: the file has none
   std::string verdict;  ///< empty: the file has none
   Vector3d angles_rad = Vector3d::Zero();
   Matrix3d covariance_rad2 = Matrix3d::Zero();
@@ -88,6 +91,7 @@ StoredBoresight ReadResult(const fs::path& file) {
     const Json json = ReadJsonFile(file);
     const JsonPlace root(json, file.string());
     StoredBoresight result = ReadBoresight(root.At("boresight"));
+    if (root.Has("method")) result.method = root.At("method").Text();
     if (root.Has("assessment")) result.verdict = root.At("assessment").At("verdict").Text();
     return result;
   } catch (const InvalidInput& error) {
@@ -116,19 +120,6 @@ void CheckVerdict(const GeorefOptions& given, const StoredBoresight& result, Run
   run.progress().Warn(fmt::format("{} ({}); used because of --anyway", what, given.result));
 }
 
-void ExpectGeoreferenceable(const FlightConfig& config) {
-  const FileLocation where{config.file.string()};
-  if (!config.lidar) {
-    throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
-  }
-  if (config.strips_crs == "none") {
-    throw InvalidConfig(
-        "strips_crs is 'none': points in an unknown system cannot be georeferenced; write map, "
-        "utm:ZONEn, utm:ZONEs or ecef",
-        where);
-  }
-}
-
 void ExpectTrajectory(const GeorefOptions& options, bool own) {
   if (own || !options.trajectory.empty()) return;
   throw InvalidInput(fmt::format(
@@ -152,74 +143,6 @@ StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,
   return errors;
 }
 
-/// Everything that the command reads except the points.
-struct Georef {
-  FlightConfig config;  ///< names the trajectory of the new points
-  LocalFrame frame{Geodetic{}};
-  GeoreferenceOptions options;
-  std::string accuracy;  ///< source of the trajectory's sigmas
-};
-
-Georef Prepare(const GeorefOptions& given, Run& run) {
-  const FlightConfig config = ReadFlightConfig(given.flight);
-  ExpectGeoreferenceable(config);
-  std::optional<Vector3d> boresight_rad;
-  if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
-  std::optional<StoredBoresight> result;
-  if (!given.result.empty()) result = ReadResult(given.result);
-  if (result) CheckVerdict(given, *result, run);
-  if (result && !boresight_rad) boresight_rad = result->angles_rad;
-  const bool own = HasTrajectory(config);
-  ExpectTrajectory(given, own);
-  run.progress().Stage("reading " + config.folder.string());
-  Flight flight =
-      ReadFlight(own ? config : WithTrajectory(config, given.trajectory), {.trajectory = true});
-
-  Georef georef;
-  georef.config = WithTrajectory(flight.config, given.trajectory);
-  georef.frame = flight.frame;
-  GeoreferenceOptions& options = georef.options;
-  options.trajectory = std::move(*flight.trajectory);
-  if (own && !given.trajectory.empty()) {
-    options.made_by =
-        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
-  }
-  options.made_with = StripsGeoreferencing(config);
-  options.mounting = config.lidar->mounting;
-  if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
-  options.time_span_s = config.time_span_s;
-  options.time_offset_s = config.lidar->time_offset_s;
-  options.threads = run.options().threads;
-  if (given.covariance) options.errors = ReadErrors(given, georef.config, result);
-  return georef;
-}
-
-Json AnglesInDegrees(const Vector3d& rad) {
-  const Vector3d deg = rad * kDegPerRad;
-  return {deg.x(), deg.y(), deg.z()};
-}
-
-Json CrsJson(const StripCrs& crs) {
-  return {{"epsg", crs.epsg ? Json(*crs.epsg) : Json()},
-          {"text", crs.text},
-          {"heights_from_geoid", crs.heights_from_geoid}};
-}
-
-Json StripJson(const std::string& name, const StripCrs& crs, const GeoreferencedStrip& strip) {
-  return {
-      {"name", name},
-      {"points", strip.points},
-      {"kept", strip.kept},
-      {"dropped", strip.dropped},
-      {"laser_vectors", strip.origin.kind == VectorOrigin::Kind::kMeasured ? "file" : "trajectory"},
-      {"laser_vectors_origin", Word(strip.origin.kind)},
-      {"t_begin_s", strip.t_begin_s},
-      {"t_end_s", strip.t_end_s},
-      {"shift_rms_m", strip.shift_rms_m},
-      {"shift_max_m", strip.shift_max_m},
-      {"crs", CrsJson(crs)}};
-}
-
 Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
   if (!given.covariance) return nullptr;
   const AccuracyFiles files = FindAccuracyFiles(config);
@@ -229,97 +152,66 @@ Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
           {"divergence_mrad", given.divergence_mrad}};
 }
 
-/// Georeferences one strip, stages the new file and returns the strip's report entry.
-Json RegeoreferenceStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
-                         const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
-  const std::string name = file.filename().string();
-  const std::string stage = "strip " + name;
-  run.progress().Stage(stage);
-  const auto reader = OpenStrip(file);
-  const StripCrs crs = reader->crs();
-  const std::optional<std::uint64_t> all = reader->points();
-  const std::string warning = CheckStripCrs(crs, strips_crs, file);
-  if (!warning.empty()) run.progress().Warn(warning);
-  GeoreferencedStrip strip =
-      georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
-        if (SignalReceived()) throw dn::Interrupted();
-        if (all) {
-          run.progress().Stage(
-              stage, Share{static_cast<double>(points), static_cast<double>(*all), "points"});
-        } else {
-          run.progress().Stage(stage, fmt::format("{} points", points));
-        }
-      });
-  const std::string assumed = VectorWarning(strip.origin, name);
-  if (!assumed.empty()) run.progress().Warn(assumed);
-  strip.swath.strip = file.stem().string();
-  swaths->push_back(std::move(strip.swath));
-  return StripJson(name, crs, strip);
+/// Returns the trajectory that a network adjusted together with the boresight of --result; empty if
+/// there is none. Clouds are most consistent on this one.
+std::string AdjustedTrajectory(const std::string& file, const StoredBoresight& result) {
+  if (result.method != "dn") return {};
+  const fs::path beside = fs::path(file).parent_path() / kAdjustedTrajectory;
+  return fs::exists(beside) ? beside.string() : std::string();
 }
 
-void AddCounts(const Json& strip, Json* counts) {
-  const auto add = [&](const std::string& what, const Json& count) {
-    (*counts)[what] = counts->value(what, std::uint64_t{0}) + count.get<std::uint64_t>();
-  };
-  add("points", strip["points"]);
-  add("points kept", strip["kept"]);
-  for (const auto& [reason, count] : strip["dropped"].items()) add("points " + reason, count);
-}
-
-void Print(const FlightConfig& config, const Vector3d& boresight_rad, const Json& strips) {
-  const Vector3d boresight_deg = boresight_rad * kDegPerRad;
-  fmt::print("flight {}, boresight {:.6f} {:.6f} {:.6f} deg, points in {}\n", config.name,
-             boresight_deg.x(), boresight_deg.y(), boresight_deg.z(), config.strips_crs);
-  fmt::print("  {:<24} {:>12} {:>12} {:>10} {:>10}  {}\n", "strip", "kept", "dropped", "moved rms",
-             "max [m]", "laser vectors");
-  for (const Json& strip : strips) {
-    const auto points = strip["points"].get<std::uint64_t>();
-    const auto kept = strip["kept"].get<std::uint64_t>();
-    fmt::print("  {:<24} {:>12} {:>12} {:>10.4f} {:>10.4f}  {}\n", strip["name"].get<std::string>(),
-               kept, points - kept, strip["shift_rms_m"].get<double>(),
-               strip["shift_max_m"].get<double>(), strip["laser_vectors"].get<std::string>());
+NewStrips Prepare(GeorefOptions given, Run& run) {
+  const FlightConfig config = ReadFlightConfig(given.flight, given.common.changes);
+  ExpectGeoreferenceable(config);
+  std::optional<Vector3d> boresight_rad;
+  if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
+  std::optional<StoredBoresight> result;
+  if (!given.result.empty()) result = ReadResult(given.result);
+  if (result) CheckVerdict(given, *result, run);
+  if (result && given.trajectory.empty()) {
+    given.trajectory = AdjustedTrajectory(given.result, *result);
   }
+  if (result && !boresight_rad) boresight_rad = result->angles_rad;
+  const bool own = HasTrajectory(config);
+  ExpectTrajectory(given, own);
+  run.progress().Stage("reading " + config.folder.string());
+  Flight flight =
+      ReadFlight(own ? config : WithTrajectory(config, given.trajectory), {.trajectory = true});
+
+  NewStrips work;
+  work.config = WithTrajectory(flight.config, given.trajectory);
+  work.frame = flight.frame;
+  GeoreferenceOptions& options = work.options;
+  options = StatedGeoreferencing(config, run.options().threads);
+  options.trajectory = std::move(*flight.trajectory);
+  if (own && !given.trajectory.empty()) {
+    options.made_by =
+        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
+  }
+  if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
+  if (given.covariance) options.errors = ReadErrors(given, work.config, result);
+  work.covariance = CovarianceJson(given, work.config);
+  return work;
 }
 
 void RunGeoref(const GeorefOptions& given, Run& run) {
-  Georef georef = Prepare(given, run);
-  run.ReadsStrips();
-  const FlightConfig& config = georef.config;
-  const std::vector<fs::path> files = RequireStripFiles(config.folder);
-  const Vector3d boresight_rad = georef.options.mounting.boresight_rad;
-  const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
-                                         PointCrs(config.strips_crs, georef.frame));
-  Json strips = Json::array();
-  std::vector<Swath> swaths;
-  Json& counts = run.report()["counts"] = Json::object();
-  for (const fs::path& file : files) {
-    strips.push_back(RegeoreferenceStrip(georeferencer, file, config.strips_crs, &swaths, run));
-    AddCounts(strips.back(), &counts);
-  }
-  run.report()["flight"] = config.name;
-  run.AddFile(
-      "georef.json",
-      FormatJson({{"schema", "dn.georef/1"},
-                  {"flight", config.name},
-                  {"strips_crs", config.strips_crs},
-                  {"trajectory", config.trajectory->file},
-                  {"boresight_deg", AnglesInDegrees(boresight_rad)},
-                  {"boresight_before_deg", AnglesInDegrees(config.lidar->mounting.boresight_rad)},
-                  {"covariance", CovarianceJson(given, config)},
-                  {"strips", strips}}));
-  run.AddFile("swaths.json", FormatSwaths(swaths));
-  run.AddFile("config.resolved.yaml", FormatFlightConfig(config));
-  Print(config, boresight_rad, strips);
+  NewStrips work = Prepare(given, run);
+  run.report()["counts"] = Json::object();
+  run.report()["flight"] = work.config.name;
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(work.config));
+  GeoreferenceStrips(std::move(work), run);
 }
 
 void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
-  app->add_option("FLIGHT", options->flight, "Flight folder or YAML file of a flight")->required();
+  AddFlightOptions(app, &options->flight, &options->common);
   app->add_option(
       "--boresight", options->boresight,
       "Boresight of the new points, roll,pitch,yaw [deg], as `dn calibrate` reports it. "
       "Default: from --result, else from flight.yaml");
-  app->add_option("--trajectory", options->trajectory,
-                  "Trajectory of the new points (SBET .out or text). Default: that of the flight");
+  app->add_option(
+      "--trajectory", options->trajectory,
+      "Trajectory of the new points (SBET .out or text). Default: trajectory.out beside "
+      "--result if the dynamic network made it, else that of the flight");
   app->add_option("--result", options->result,
                   "result.json of `dn calibrate` with the boresight and its covariance");
   app->add_flag("--anyway", options->anyway,
@@ -338,8 +230,11 @@ void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
 }
 
 Inputs GeorefInputs(const GeorefOptions& options) {
-  Inputs inputs = FlightInputs(options.flight, {}, options.trajectory);
-  if (!options.result.empty()) inputs.files.emplace_back(options.result);
+  Inputs inputs = FlightInputs(options.flight, options.common.changes, options.trajectory);
+  if (!options.result.empty()) {
+    inputs.files.emplace_back(options.result);
+    inputs.files.push_back(fs::path(options.result).parent_path() / kAdjustedTrajectory);
+  }
   return inputs;
 }
 

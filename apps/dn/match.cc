@@ -118,7 +118,7 @@ void AddMatch(CLI::App* program, Action* action) {
       "match", "Finds point-to-point correspondences in overlapping strips");
   app->add_option("FLIGHT|STRIP", command->what,
                   "Flight folder with strips/, YAML file of a flight, or at least two strips "
-                  "(.las, .txt) without a trajectory")
+                  "(.las, .laz, .txt) without a trajectory")
       ->required();
   app->add_option("--trajectory", command->trajectory,
                   "Trajectory (SBET .out or text). Default: that of the flight, else smoothed from "

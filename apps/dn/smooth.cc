@@ -1,10 +1,12 @@
 #include <dn/adjustment/filter_separation.h>
 #include <dn/adjustment/words.h>
 
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "flight_run.h"
+#include "shaking_json.h"
 #include "smooth_summary.h"
 
 namespace dn::apps {
@@ -49,9 +51,12 @@ void Smooth(const SmoothOptions& options, Run& run) {
       SmoothJson(flight_run->flight.config.name, trajectory, flight_run->solution->CheckedSigmas(),
                  check, flight_run->solution->CheckedUnknowns(), flight_run->timings);
   smooth["separation"] = SeparationJson(separation);
+  const std::optional<Shaking> shaking = FindShaking(*flight_run->flight.imu);
+  smooth["shaking"] = ShakingJson(shaking);
   run.AddFile("smooth.json", FormatJson(smooth));
   FillReport(*flight_run, &run);
   PrintSmoothSummary(*flight_run, separation, run.report()["reference_errors"]);
+  PrintShaking(shaking, "");
   if (check.contradicted()) ThrowContradicted(Words(check.findings.front()), "smooth.json");
 }
 

@@ -3,6 +3,8 @@
 #include <dn/effects/effect_table.h>
 #include <dn/rotation.h>
 
+#include <vector>
+
 #include "unmodelled.h"
 
 namespace dn::diagnosis_internal {
@@ -35,22 +37,35 @@ class BoresightMixture {
 
   /// Adds a boresight that differs from the reference by a left rotation.
   void Add(double weight, const Vector3d& rotation, const Matrix3d& covariance) {
-    sum_ += weight;
-    rotation_ += weight * rotation;
-    square_ += weight * (covariance + rotation * rotation.transpose());
+    parts_.push_back({weight, rotation, covariance});
   }
 
   BoresightEstimate Result() const {
-    if (!(sum_ > 0.0)) return reference_;
-    const Vector3d mean = rotation_ / sum_;
-    return {Rotated(mean, reference_.angles_rad), square_ / sum_ - mean * mean.transpose()};
+    double sum = 0.0;
+    Vector3d mean = Vector3d::Zero();
+    for (const Part& part : parts_) {
+      sum += part.weight;
+      mean += part.weight * part.rotation;
+    }
+    if (!(sum > 0.0)) return reference_;
+    mean /= sum;
+    Matrix3d covariance = Matrix3d::Zero();
+    for (const Part& part : parts_) {
+      const Vector3d off = part.rotation - mean;
+      covariance += part.weight / sum * (part.covariance + off * off.transpose());
+    }
+    return {Rotated(mean, reference_.angles_rad), covariance};
   }
 
  private:
+  struct Part {
+    double weight;
+    Vector3d rotation;
+    Matrix3d covariance;
+  };
+
   const BoresightEstimate& reference_;
-  double sum_ = 0.0;
-  Vector3d rotation_ = Vector3d::Zero();
-  Matrix3d square_ = Matrix3d::Zero();
+  std::vector<Part> parts_;
 };
 
 /// Adds the hypotheses of one set to a mixture, with a common factor of their weights.
@@ -103,7 +118,7 @@ class SetOfHypotheses {
   BoresightMixture& mixture_;
 };
 
-double ProbabilityOfOwn(const CompetingHypotheses& set) {
+double OwnProbability(const CompetingHypotheses& set) {
   for (std::size_t k = 0; k < set.competing_effects.size(); ++k) {
     if (set.competing_effects[k].name == set.effect) return set.posterior.own[k];
   }
@@ -139,13 +154,13 @@ BoresightEstimate AverageBoresight(const BoresightEstimate& of_fit,
                                    const CompetingHypotheses& further) {
   BoresightMixture mixture(of_fit);
   double all_named = 1.0;
-  for (const CompetingHypotheses& set : named) all_named *= ProbabilityOfOwn(set);
+  for (const CompetingHypotheses& set : named) all_named *= OwnProbability(set);
   mixture.Add(all_named * further.posterior.nothing, Vector3d::Zero(), of_fit.covariance_rad2);
   SetOfHypotheses(further, of_fit, &mixture).Add(all_named);
   for (std::size_t k = 0; k < named.size(); ++k) {
     double others = further.posterior.nothing;
     for (std::size_t l = 0; l < named.size(); ++l) {
-      if (l != k) others *= ProbabilityOfOwn(named[l]);
+      if (l != k) others *= OwnProbability(named[l]);
     }
     SetOfHypotheses(named[k], of_fit, &mixture).Add(others);
   }

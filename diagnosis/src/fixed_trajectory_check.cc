@@ -12,6 +12,7 @@
 #include "gauss_helmert_effects.h"
 #include "linear_pairs.h"
 #include "model_findings.h"
+#include "plane_effects.h"
 
 namespace dn {
 namespace {
@@ -88,6 +89,7 @@ ModelCheck CheckModel(const Flight& flight, const GaussHelmertCalibration& calib
 ModelCheck CheckModel(const Flight& flight, const PlaneCalibration& calibration) {
   ModelCheck check = StartCheck("lidar planes", calibration.figures.correspondences,
                                 calibration.figures, calibration.scatter.trajectory);
+  check.unmodelled = diagnosis_internal::PlaneEffects(flight, calibration);
   check.p_value = check.SmallestPValue();
   diagnosis_internal::AddFindings(flight, calibration, &check);
   return check;

@@ -2,7 +2,6 @@
 
 #include <dn/effects/effect_table.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,9 +12,6 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// d residual / d effect through one end of a pair.
-using EndModel = std::function<MatrixXd(const PairEnd&)>;
-
 MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
   LidarReading reading = LidarReading::Uncorrected(end.t_s, end.u_s, n);
@@ -24,28 +20,36 @@ MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
          end.J_r_t * reading.J_delay;
 }
 
-EndModel MakeEndModel(const Hypothesis& hypothesis) {
-  return [effect = std::get<std::shared_ptr<const LidarEffect>>(hypothesis.action)](
-             const PairEnd& e) { return EndDerivative(*effect, e); };
-}
-
 }  // namespace
 
+Eigen::MatrixXd EndColumns(const Hypothesis& hypothesis, const PairEnd& end) {
+  return EndDerivative(*std::get<std::shared_ptr<const LidarEffect>>(hypothesis.action), end);
+}
+
 EffectModel MakePairColumns(const Hypothesis& hypothesis, const std::vector<PairEnds>& pairs) {
-  const EndModel end = MakeEndModel(hypothesis);
   EffectModel columns;
-  for (const PairEnds& pair : pairs) columns.push_back({pair.factor, end(pair.i) + end(pair.j)});
+  for (const PairEnds& pair : pairs) {
+    columns.push_back(
+        {pair.factor, EndColumns(hypothesis, pair.i) + EndColumns(hypothesis, pair.j)});
+  }
   return columns;
 }
 
-Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>& pairs) {
-  Library library;
+std::vector<Hypothesis> ScannerHypotheses(const Flight& flight) {
+  std::vector<Hypothesis> hypotheses;
   for (const EstimableEffect& effect : EstimableEffects()) {
     const bool of_mount =
         effect.id == EffectId::kBoresightDrift || effect.id == EffectId::kBoresightStep;
     if (EffectRow(effect.id).sensor != EffectSensor::kLidar || of_mount) continue;
-    Hypothesis hypothesis = MakeHypothesis(effect, {flight});
-    hypothesis.remedy += " with the dynamic network";
+    hypotheses.push_back(MakeHypothesis(effect, {flight}));
+    hypotheses.back().remedy += " with the dynamic network";
+  }
+  return hypotheses;
+}
+
+Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>& pairs) {
+  Library library;
+  for (const Hypothesis& hypothesis : ScannerHypotheses(flight)) {
     library.Add(hypothesis, MakePairColumns(hypothesis, pairs));
   }
   return library;

@@ -25,11 +25,18 @@ struct PairEnds {
   PairEnd i, j;
 };
 
+/// Returns d residual / d effect through one end of a pair, for a lidar effect or a discrepancy of
+/// laser vectors.
+Eigen::MatrixXd EndColumns(const Hypothesis& hypothesis, const PairEnd& end);
+
 /// Returns the columns of a lidar effect, or of a discrepancy of laser vectors, for these pairs.
 EffectModel MakePairColumns(const Hypothesis& hypothesis, const std::vector<PairEnds>& pairs);
 
 /// Returns the effects of a scanner whose mount does not move. Their remedies name the dynamic
-/// network, because an adjustment of these pairs alone does not estimate them.
+/// network, because an adjustment on a fixed trajectory does not estimate them.
+std::vector<Hypothesis> ScannerHypotheses(const Flight& flight);
+
+/// Returns these effects with their columns for pairs.
 Library MakeScannerHypotheses(const Flight& flight, const std::vector<PairEnds>& pairs);
 
 }  // namespace dn::diagnosis_internal

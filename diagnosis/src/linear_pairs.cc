@@ -1,6 +1,5 @@
 #include "linear_pairs.h"
 
-#include <dn/adjustment/pose_interpolator.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Cholesky>
@@ -8,36 +7,16 @@
 #include <cmath>
 #include <utility>
 
+#include "end_derivatives.h"
+
 namespace dn::diagnosis_internal {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Half the step of the numerical derivatives with respect to time.
-constexpr double kHalfStep_s = 5e-3;
 // More pairs give no additional information on the effects.
 constexpr std::size_t kMaxLinearPairs = 20000;
-
-/// Computes the velocity of body-fixed points along a trajectory.
-class PointVelocity {
- public:
-  explicit PointVelocity(const Flight& flight)
-      : first_s_(flight.trajectory->points().front().t_s),
-        last_s_(flight.trajectory->points().back().t_s),
-        poses_(flight.trajectory->ToMapPoses(flight.frame)) {}
-
-  Vector3d At(double t_s, const Vector3d& s_b) const {
-    const double t0_s = std::max(first_s_, t_s - kHalfStep_s);
-    const double t1_s = std::min(last_s_, t_s + kHalfStep_s);
-    const MapPose a = poses_.At(t0_s), b = poses_.At(t1_s);
-    return (b.p_mb + b.q_mb * s_b - a.p_mb - a.q_mb * s_b) / (t1_s - t0_s);
-  }
-
- private:
-  double first_s_, last_s_;
-  PoseInterpolator poses_;
-};
 
 /// Returns P^-1 of an end: position in map, attitude in body.
 Eigen::Matrix<double, 6, 6> EndCovariance(const GaussHelmertEnd& end, const ErrorScale& scale) {
@@ -73,11 +52,9 @@ BoresightPrior MakeBoresightPrior(const GaussHelmertCalibration& calibration) {
 class Lineariser {
  public:
   Lineariser(const Flight& flight, const GaussHelmertCalibration& calibration)
-      : lidar_(*flight.config.lidar), calibration_(calibration), velocity_(flight) {
-    const Vector3d& boresight_rad = calibration.adjustment.boresight_rad;
-    q_boresight_ = Exp(boresight_rad);
-    left_jacobian_ = RightJacobian(-boresight_rad);
-  }
+      : calibration_(calibration),
+        derivatives_(flight, calibration.problem.lever_arm_b_m,
+                     calibration.adjustment.boresight_rad) {}
 
   LinearPairs Run() {
     out_.error_sqrt = ErrorSqrt(calibration_);
@@ -109,28 +86,12 @@ class Lineariser {
     out_.whiten.push_back(W);
     out_.pair.push_back(k);
     out_.ends.push_back({static_cast<FactorId>(out_.ends.size()),
-                         MakePairEnd(pair.i, v.segment<3>(3), W),
-                         MakePairEnd(pair.j, v.segment<3>(9), -W)});
+                         derivatives_.At(pair.i, v.segment<3>(3), W),
+                         derivatives_.At(pair.j, v.segment<3>(9), -W)});
   }
 
-  PairEnd MakePairEnd(const GaussHelmertEnd& end, const Vector3d& v_phi, const Matrix3d& W) const {
-    const Matrix3d& R_bs_nominal = lidar_.mounting.R_bs_nominal;
-    const Vector3d s_b = calibration_.problem.lever_arm_b_m + q_boresight_ * end.u_b;
-    PairEnd out;
-    out.t_s = end.t_s;
-    out.u_s = R_bs_nominal.transpose() * end.u_b;
-    out.J_r_a = W * (end.q_mb * Exp(v_phi)).toRotationMatrix();
-    out.J_r_u = out.J_r_a * q_boresight_.toRotationMatrix() * R_bs_nominal;
-    out.J_r_turn = -out.J_r_a * Skew(q_boresight_ * end.u_b) * left_jacobian_;
-    out.J_r_t = -W * velocity_.At(end.t_s, s_b);
-    return out;
-  }
-
-  const LidarConfig& lidar_;
   const GaussHelmertCalibration& calibration_;
-  PointVelocity velocity_;
-  Eigen::Quaterniond q_boresight_;
-  Matrix3d left_jacobian_;
+  EndDerivatives derivatives_;
   LinearPairs out_;
   double own_ = 0.0, all_ = 0.0;  // m^2
 };

@@ -18,10 +18,14 @@
 #include "competing_effects.h"
 #include "detectability.h"
 #include "discrepancies.h"
+#include "gnss_process.h"
 #include "model_findings.h"
 #include "network_hypotheses.h"
 #include "node_changes.h"
+#include "noise_beyond_model.h"
+#include "pair_clusters.h"
 #include "score_selection.h"
+#include "smallest_p_value.h"
 #include "unmodelled.h"
 
 namespace dn {
@@ -36,6 +40,7 @@ constexpr double kControlledRedundancy = 0.1;
 // Cost, in nats, of averaging the evidence over the size of an error instead of taking the
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
+constexpr int kScoreDraws = 400;
 
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
@@ -62,12 +67,13 @@ class Checker {
   ModelCheck Run() {
     auto sums = Beside(threads_, [&] { FormSums(); });
     library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
+    gnss_process_ = AddGnssProcess(network_, linearized_, &library_);
     Watch();
     const JointScore score = ScoreHypotheses();
     sums.get();
-    family_.tests = static_cast<double>(forms_.size() + library_.hypotheses.size());
+    family_.tests = static_cast<double>(num_tested_ + library_.hypotheses.size());
     CheckPriors();
-    const UnmodelledUnknowns unmodelled(library_, prior_, score);
+    const UnmodelledUnknowns unmodelled(library_, prior_, score, gnss_process_);
     FindCompeting(score);
     FindClocks(score);
     TakeUnmodelled(unmodelled);
@@ -80,9 +86,10 @@ class Checker {
     check_.sigma0_with_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
-    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, PairExcess(), family_);
+    TakeNoise(left, unmodelled);
+    CheckAllDiscrepancies(unmodelled);
     CheckCommonErrors(left);
-    check_.p_value = check_.SmallestPValue();
+    check_.p_value = FamilyPValue(smallest_p_, check_.effective_tests);
     return std::move(check_);
   }
 
@@ -93,7 +100,13 @@ class Checker {
     num_channels_ = forms_.size();
     std::vector<ResidualForm> common = CommonErrorForms(network_, linearized_);
     std::move(common.begin(), common.end(), std::back_inserter(forms_));
-    moments_ = ComputeFormMoments(marginals_, forms_);
+    num_tested_ = forms_.size();
+    if (!prior_.pure()) {
+      std::vector<ResidualForm> tiles = PairClusters(network_, linearized_, kClusterLengths_m);
+      std::move(tiles.begin(), tiles.end(), std::back_inserter(forms_));
+    }
+    energies_ = SampleFormEnergies(marginals_, forms_);
+    moments_ = ComputeFormMoments(marginals_, forms_, energies_);
   }
 
   /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
@@ -137,33 +150,62 @@ class Checker {
     return rest <= kLargestVarianceRatio * group.redundancy;
   }
 
+  /// Returns the p-value of one of the tests for the family of all tests.
+  double FamilyWise(double p_value) {
+    smallest_p_ = std::min(smallest_p_, p_value);
+    return family_.FamilyWise(p_value);
+  }
+
   void CheckGroups(const Eigen::VectorXd& with_effects) {
+    Eigen::VectorXd redundancy(static_cast<Eigen::Index>(num_channels_));
     for (std::size_t g = 0; g < num_channels_; ++g) {
-      const ChannelFit fit =
-          TestChannel(linearized_, residual_, forms_[g], moments_[g], trajectory_.redundancy);
-      GroupCheck group;
-      group.name = fit.name;
-      group.observations = fit.observations;
-      group.redundancy = fit.redundancy;
-      group.variance_ratio = fit.variance_ratio;
+      TestedGroup tested = CheckGroup(g, residual_);
+      if (gnss_process_) {
+        // A wide process absorbs a part of an outlier, which then looks like several errors.
+        TestedGroup pure = CheckGroup(g, linearized_.residual());
+        if (pure.group.isolated) tested = std::move(pure);
+      }
+      smallest_p_ = std::min(smallest_p_, tested.p_value);
+      GroupCheck& group = tested.group;
+      redundancy[static_cast<Eigen::Index>(g)] = group.redundancy;
       group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
-      group.p_value = family_.FamilyWise(fit.p_value);
-      group.worst_t_s = fit.worst.row.t_s;
-      group.worst_standardised = fit.worst.standardised;
-      group.isolated = IsIsolatedRow(group, fit.worst);
       check_.groups.push_back(std::move(group));
     }
+    check_.effective_tests += EffectiveTests(SmallestFormPValues(
+        {moments_.begin(), moments_.begin() + static_cast<std::ptrdiff_t>(num_tested_)}, energies_,
+        redundancy));
+  }
+
+  /// A tested group with its p-value as that of a single test.
+  struct TestedGroup {
+    GroupCheck group;
+    double p_value = 1.0;
+  };
+
+  TestedGroup CheckGroup(std::size_t g, const Eigen::VectorXd& residual) const {
+    const ChannelFit fit =
+        TestChannel(linearized_, residual, forms_[g], moments_[g], trajectory_.redundancy);
+    GroupCheck group;
+    group.name = fit.name;
+    group.observations = fit.observations;
+    group.redundancy = fit.redundancy;
+    group.variance_ratio = fit.variance_ratio;
+    group.p_value = family_.FamilyWise(fit.p_value);
+    group.worst_t_s = fit.worst.row.t_s;
+    group.worst_standardised = fit.worst.standardised;
+    group.isolated = IsIsolatedRow(group, fit.worst);
+    return {std::move(group), fit.p_value};
   }
 
   void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
-    for (std::size_t c = num_channels_; c < forms_.size(); ++c) {
+    for (std::size_t c = num_channels_; c < num_tested_; ++c) {
       const FormMoments& moments = moments_[c];
       CommonErrorCheck common;
       common.name = forms_[c].name;
       common.group = forms_[c].channel;
       const double energy = forms_[c].Energy(residual_);
       common.ratio = energy / std::max(moments.mean, 1e-300);
-      common.p_value = family_.FamilyWise(moments.UpperTail(energy));
+      common.p_value = FamilyWise(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
@@ -176,9 +218,24 @@ class Checker {
       const Eigen::VectorXd move =
           forms_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
       common.max_shift_sigmas = family_.InSigmas(move);
-      if (common.p_value <= kFamilyLevel) common.worst = WorstLabel(forms_[c]);
+      if (common.p_value <= kFamilyLevel) {
+        common.worst = WorstLabel(forms_[c]);
+        common.covered = IsCovered(common, forms_[c], moments, left);
+      }
       check_.common_errors.push_back(std::move(common));
     }
+  }
+
+  /// Returns whether the noise in the watched sigmas explains a common error, or leaves too little
+  /// of it to count. `energy` is that of the residuals with all effects.
+  bool IsCovered(const CommonErrorCheck& common, const ResidualForm& form,
+                 const FormMoments& moments, double energy) const {
+    const double growth = noise_.Growth(form, moments);
+    if (growth <= 1.0) return false;
+    if (family_.FamilyWise(moments.UpperTail(energy / growth)) > kFamilyLevel) return true;
+    const double left =
+        std::max(0.0, energy - growth * moments.mean) / std::max(energy - moments.mean, 1e-300);
+    return common.max_shift_sigmas * std::sqrt(left) <= kMaxShiftInSigmas;
   }
 
   /// Returns the label whose residuals agree most in their sign.
@@ -215,6 +272,7 @@ class Checker {
     UnmodelledEffects& effects = check_.unmodelled.emplace();
     effects.nodes = NodeChanges(network_, marginals_, library_, unmodelled);
     effects.contributions = unmodelled.Contributions(AngleRows());
+    if (unmodelled.process()) effects.gnss_process_usual = IsUsualSize(*unmodelled.process());
     if (family_.of_boresight) {
       effects.boresight_rad = change.head<3>();
       effects.covariance_rad2 = added.topLeftCorner<3, 3>();
@@ -227,6 +285,75 @@ class Checker {
           {block.name, change.segment(row, size), added.diagonal().segment(row, size)});
       row += size;
     }
+  }
+
+  /// Takes the noise beyond the stated one: from here on, the watched sigmas contain it. `left` are
+  /// the residuals with all effects.
+  void TakeNoise(const Eigen::VectorXd& left, const UnmodelledUnknowns& unmodelled) {
+    if (!check_.unmodelled || !family_.of_boresight) return;
+    noise_ = MakeNoise(left);
+    AllowForNoise();
+    // The shift of the reported angles by a unit error of each row.
+    const Eigen::MatrixXd gain =
+        gain_ - marginals_.Project(EffectRows(unmodelled.Gain().leftCols(gain_.cols())));
+    for (std::size_t g = 0; g < num_channels_; ++g) {
+      check_.groups[g].covered = IsTolerated(check_.groups[g], moments_[g]);
+    }
+    UnmodelledEffects& effects = *check_.unmodelled;
+    const Eigen::Matrix3d added =
+        noise_.AddedCovariance(gain, network_.flight().config.lidar->sigma_p_m,
+                               family_.watched_sigma, &effects.contributions);
+    effects.covariance_rad2 += added;
+    effects.noise_covariance_rad2 = added;
+    family_.watched_sigma = (family_.watched_sigma.cwiseAbs2() + added.diagonal()).cwiseSqrt();
+    std::stable_sort(effects.contributions.begin(), effects.contributions.end(),
+                     [](const EffectContribution& a, const EffectContribution& b) {
+                       return a.angle_sigma_rad.maxCoeff() > b.angle_sigma_rad.maxCoeff();
+                     });
+  }
+
+  NoiseBeyondModel MakeNoise(const Eigen::VectorXd& residual) const {
+    const auto tested = static_cast<std::ptrdiff_t>(num_tested_);
+    return {check_.groups,
+            forms_,
+            moments_,
+            {forms_.begin() + tested, forms_.end()},
+            {moments_.begin() + tested, moments_.end()},
+            residual};
+  }
+
+  /// Tests the found effects of the lidar again, at the noise that the pairs have with them.
+  void AllowForNoise() {
+    for (std::size_t k = 0; k < selection_.chosen.size(); ++k) {
+      if (EffectRow(*selection_.chosen[k].id).sensor != EffectSensor::kLidar) continue;
+      const ScoreTest& test = selection_.tests[k];
+      const double p = ChiSquareTail(test.statistic / noise_.PairGrowth(), test.dof);
+      check_.effects[k].p_value = family_.FamilyWise(p);
+    }
+  }
+
+  /// Returns the residuals if all discrepancies were estimated. The noise of the pairs must not
+  /// contain what a discrepancy explains.
+  Eigen::VectorXd ResidualWithDiscrepancies(const UnmodelledUnknowns& unmodelled) const {
+    std::vector<Eigen::Index> components;
+    for (const Hypothesis& hypothesis : library_.hypotheses) {
+      if (hypothesis.id || library_.blocks[hypothesis.block].empty()) continue;
+      const std::vector<Eigen::Index> own = hypothesis.Components(selection_.left);
+      components.insert(components.end(), own.begin(), own.end());
+    }
+    Eigen::VectorXd found = selection_.joint;
+    if (!components.empty()) {
+      found(components) += TestJointly(selection_.left, components).estimate;
+    }
+    return ResidualWith(unmodelled.EstimateBeside(found) + found);
+  }
+
+  /// Returns whether the residuals of a group, with all effects, agree with noise of the largest
+  /// variance that is tolerated.
+  bool IsTolerated(const GroupCheck& group, const FormMoments& moments) const {
+    const FormMoments expected{group.redundancy, moments.variance, moments.samples};
+    const double energy = group.ratio_with_effects * group.redundancy;
+    return family_.FamilyWise(expected.UpperTail(energy / kLargestVarianceRatio)) > kFamilyLevel;
   }
 
   /// Returns the first rows of the watched rotations in the shift of a score.
@@ -242,6 +369,8 @@ class Checker {
   /// `score`: that of the model with the unmodelled effects.
   void FindEffects(JointScore score) {
     score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+    smallest_p_ = std::min(smallest_p_, SmallestEffectPValue(library_, score));
+    check_.effective_tests += EffectiveTests(SmallestScorePValues(library_, score, kScoreDraws));
     selection_ = SelectByScores(library_, score, family_);
     check_.effects = selection_.effects;
     SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
@@ -256,6 +385,18 @@ class Checker {
       if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_with_effects);
     }
     return ratio;
+  }
+
+  void CheckAllDiscrepancies(const UnmodelledUnknowns& unmodelled) {
+    double excess = PairExcess();
+    if (check_.unmodelled && family_.of_boresight) {
+      const NoiseBeyondModel noise = MakeNoise(ResidualWithDiscrepancies(unmodelled));
+      excess = std::max(excess, noise.PairGrowth());
+    }
+    check_.discrepancies = CheckDiscrepancies(library_, selection_.left, excess, family_);
+    for (const DiscrepancyCheck& check : check_.discrepancies) {
+      smallest_p_ = std::min(smallest_p_, ChiSquareTail(check.statistic, check.dof));
+    }
   }
 
   void FindClocks(const JointScore& score) {
@@ -328,20 +469,26 @@ class Checker {
   /// are in SI, one value per component of the score.
   Eigen::VectorXd ResidualWith(const Eigen::VectorXd& effects) const {
     if (effects.isZero(0.0)) return linearized_.residual();
-    Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
+    return linearized_.residual() + marginals_.Project(EffectRows(effects));
+  }
+
+  /// Returns L X with the columns L of all effects: one row per component of the score in X, and
+  /// one per residual in the result.
+  Eigen::MatrixXd EffectRows(const Eigen::MatrixXd& X) const {
+    Eigen::MatrixXd added = Eigen::MatrixXd::Zero(linearized_.rows(), X.cols());
     Eigen::Index first = 0;
     for (const EffectModel& block : library_.blocks) {
       const Eigen::Index size = block.empty() ? 0 : block.front().L.cols();
-      const Eigen::VectorXd value = effects.segment(first, size);
+      const Eigen::MatrixXd value = X.middleRows(first, size);
       first += size;
       if (value.isZero(0.0)) continue;
       for (const EffectPart& part : block) {
         const auto rows = linearized_.FindRows(part.factor);
         if (!rows) continue;
-        added.segment(rows->first, rows->count) += std::sqrt(rows->weight) * part.L * value;
+        added.middleRows(rows->first, rows->count) += std::sqrt(rows->weight) * part.L * value;
       }
     }
-    return linearized_.residual() + marginals_.Project(added);
+    return added;
   }
 
   void CheckPriors() {
@@ -353,9 +500,9 @@ class Checker {
       const Prediction prediction = PredictFactor(marginals_, rows.factor);
       if (!prediction.determined) continue;
       const double p = ChiSquareTail(prediction.statistic, rows.count);
-      check_.priors.push_back(
-          {block.name, prediction.statistic, rows.count, family_.FamilyWise(p)});
+      check_.priors.push_back({block.name, prediction.statistic, rows.count, FamilyWise(p)});
     }
+    check_.effective_tests += static_cast<double>(check_.priors.size());
   }
 
   const FlightNetwork& network_;
@@ -365,15 +512,19 @@ class Checker {
   const LinearizedNetwork& linearized_;
   UnmodelledPrior prior_;
   int threads_;
-  std::vector<ResidualForm> forms_;  // forms of the channels, then of common errors
-  std::size_t num_channels_ = 0;
+  std::vector<ResidualForm> forms_;  // of the channels, of common errors, and of clusters of pairs
+  std::size_t num_channels_ = 0, num_tested_ = 0;
   Library library_;
+  std::optional<GnssProcessBasis> gnss_process_;
   std::vector<BlockId> watched_;
   TestFamily family_;
-  Eigen::MatrixXd gain_;  // rows x watched coordinates
+  Eigen::MatrixXd gain_;      // rows x watched coordinates
+  Eigen::MatrixXd energies_;  // forms_ x samples
   std::vector<FormMoments> moments_;
+  double smallest_p_ = 1.0;   // of all tests, raw
   Eigen::VectorXd residual_;  // with the unmodelled effects
   ScoreSelection selection_;
+  NoiseBeyondModel noise_;
   ModelCheck check_;
 };
 

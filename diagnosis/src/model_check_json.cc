@@ -25,7 +25,8 @@ Json CommonErrorJson(const CommonErrorCheck& common) {
           {"p_value", common.p_value},
           {"sigma", common.sigma},
           {"damage", common.max_shift_sigmas},
-          {"explained", common.explained}};
+          {"explained", common.explained},
+          {"covered", common.covered}};
 }
 
 /// Returns a shift of the boresight; null if the check has no boresight.
@@ -104,6 +105,8 @@ Json ModelCheckJson(const ModelCheck& check) {
           {"rivals", ConvertAll(check.competing_effects, &CompetingEffectJson, has_boresight)},
           {"priors", ConvertAll(check.priors, &PriorJson)},
           {"findings", ConvertAll(check.findings, &FindingJson)},
+          {"effective_tests",
+           check.effective_tests > 0.0 ? Json(check.effective_tests) : Json(nullptr)},
           {"p_value", check.p_value}};
 }
 

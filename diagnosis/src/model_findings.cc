@@ -16,8 +16,6 @@ namespace dn {
 namespace diagnosis_internal {
 namespace {
 
-// The covariance of the boresight does not cover an error above this many of its sigmas.
-constexpr double kMaxShiftInSigmas = 1.0;
 constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
@@ -44,7 +42,9 @@ void JudgeEffects(bool told, ModelCheck* check) {
     if (told && of_clock) continue;
     const bool fault =
         effect.prior_sigmas ? !effect.within_prior() : effect.max_shift_sigmas > kMaxShiftInSigmas;
-    Add(facts::EffectPresent{effect, check->of_boresight}, fault, effect.log_evidence, check);
+    // Noise beyond the stated one may make it insignificant after it was found.
+    Add(facts::EffectPresent{effect, check->of_boresight}, fault && effect.p_value <= kFamilyLevel,
+        effect.log_evidence, check);
   }
 }
 
@@ -73,7 +73,7 @@ void JudgeGroups(ModelCheck* check) {
   for (const GroupCheck& group : check->groups) {
     if (group.isolated) continue;
     if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0) continue;
-    const bool contradicts = group.ratio_with_effects > kLargestVarianceRatio;
+    const bool contradicts = group.ratio_with_effects > kLargestVarianceRatio && !group.covered;
     Add(facts::VarianceTooLarge{group}, contradicts, 0.0, check);
   }
 }
@@ -81,7 +81,7 @@ void JudgeGroups(ModelCheck* check) {
 void JudgeCommonErrors(ModelCheck* check) {
   for (const CommonErrorCheck& common : check->common_errors) {
     if (common.p_value > kFamilyLevel || common.explained) continue;
-    Add(facts::ErrorsShared{common}, common.max_shift_sigmas > kMaxShiftInSigmas,
+    Add(facts::ErrorsShared{common}, common.max_shift_sigmas > kMaxShiftInSigmas && !common.covered,
         common.log_evidence, check);
   }
 }

@@ -8,6 +8,8 @@ namespace dn::diagnosis_internal {
 
 // Noise may be misstated by a factor of 1.4; a larger factor has another cause.
 inline constexpr double kLargestVarianceRatio = 2.0;
+// The covariance of the boresight does not cover an error above this many of its sigmas.
+inline constexpr double kMaxShiftInSigmas = 1.0;
 
 /// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,

@@ -102,7 +102,7 @@ NetworkFit NetworkFitter::Fit(const std::vector<HypothesisEvidence>& chosen) con
   fit.effects = fit.screen->Effects();
   VarianceScreen variances =
       ScreenVariances(fit.solution->network(), fit.solution->marginals(), library);
-  fit.coloured_imu_nats = variances.coloured_imu;
+  fit.raw_only_nats = variances.raw_only_nats;
   for (HypothesisEvidence& effect : variances.effects) fit.effects.push_back(std::move(effect));
   AddOutliers(&fit);
   SortByEvidence(&fit.effects);

@@ -18,8 +18,8 @@ struct NetworkFit : ExtendedFit {
   std::unique_ptr<Flight> flight;  ///< with the adapted configuration
   std::unique_ptr<Solution> solution;
   std::unique_ptr<Screen> screen;
-  double coloured_imu_nats = 0.0;  ///< evidence of inertial noise that is not white or not steady
-  long gnss_left_out = 0;          ///< isolated epochs rejected as outliers
+  double raw_only_nats = 0.0;  ///< VarianceScreen::raw_only_nats
+  long gnss_left_out = 0;      ///< isolated epochs rejected as outliers
 
   bool with_boresight() const;
 };

@@ -2,6 +2,7 @@
 
 #include <dn/adjustment/result.h>
 #include <dn/error.h>
+#include <dn/imu/shaking.h>
 #include <dn/quantile.h>
 
 #include <algorithm>
@@ -18,8 +19,8 @@ namespace dn::diagnosis_internal {
 namespace {
 
 constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // number of tiles, and of outages
-// Replicates contain neither high-band inertial noise nor outliers. A p-value of these two below
-// this level shows a gap on its own.
+// Replicates contain neither raw inertial samples nor outliers. A p-value of these two below this
+// level shows a gap on its own. Raw data alone with such a p-value are worth a note.
 constexpr double kCertain = 1e-3;
 constexpr double kTrajectoryStepS = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
@@ -57,10 +58,9 @@ bool OutsideReplicates(const EffectSpec& effect) {
   return effect.kind == EffectKind::kOutliers || (effect.kind == EffectKind::kNoise && inertial);
 }
 
-/// Returns the largest evidence of raw inertial noise and outliers, which replicates do not
-/// contain.
+/// Returns the largest evidence of inertial noise and outliers, which replicates do not contain.
 double NatsOutsideReplicates(const NetworkFit& fit) {
-  double nats = std::max(0.0, fit.coloured_imu_nats);
+  double nats = 0.0;
   for (const HypothesisEvidence& effect : fit.effects) {
     const bool outside = effect.physical() && OutsideReplicates(EffectRow(*effect.id));
     if (outside) nats = std::max(nats, effect.log_evidence);
@@ -184,15 +184,19 @@ std::optional<HeldOutGains> NetworkSource::HeldOut(const ExtendedFit& base,
   return gains.folds > 0 ? std::optional(gains) : std::nullopt;
 }
 
-void NetworkSource::ListPlaces(const ExtendedFit& base, const Comparison& before,
+void NetworkSource::ListPlaces(const ExtendedFit& /*base*/, const Comparison& before,
                                const ExtendedFit& /*last*/, GapDiagnosis* diagnosis) const {
-  const double coloured_nats = AsNetworkFit(base).coloured_imu_nats;
-  if (coloured_nats > -std::log(kCertain)) {
-    diagnosis->where.push_back({"imu", "raw data, highest octaves", "the whole flight",
-                                coloured_nats, std::exp(-coloured_nats)});
-  }
   FillFingerprint(before, kMaxStatistics, diagnosis);
   AppendPlaces(before, options_.alpha, diagnosis);
+}
+
+std::vector<std::string> NetworkSource::Notes(const ExtendedFit& base) const {
+  const NetworkFit& fit = AsNetworkFit(base);
+  if (fit.raw_only_nats <= -std::log(kCertain)) return {};
+  const std::optional<Shaking> shaking = FindShaking(*fit.flight->imu);
+  if (!shaking || shaking->calm()) return {};
+  return {"the inertial record shakes: " + Describe(*shaking) +
+          "; the residuals show no effect on the result"};
 }
 
 std::vector<DetectionLimit> NetworkSource::Limits(const ExtendedFit& base,

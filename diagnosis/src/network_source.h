@@ -39,6 +39,7 @@ class NetworkSource : public GapSource {
   void ListPlaces(const ExtendedFit& base, const Comparison& before, const ExtendedFit& last,
                   GapDiagnosis* diagnosis) const override;
   std::vector<DetectionLimit> Limits(const ExtendedFit& base, double threshold_nats) const override;
+  std::vector<std::string> Notes(const ExtendedFit& base) const override;
 
   Trajectory MakeTrajectory(const ExtendedFit& fit) const override;
   Eigen::Vector3d Boresight(const ExtendedFit& fit) const override;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <span>
 
 namespace dn::diagnosis_internal {
 namespace {
@@ -13,7 +13,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 // Columns of effects that are solved for together; bounds the memory of the dense rows.
-constexpr Index kColumnsAtOnce = 8;
+constexpr Index kColumnsAtOnce = 24;
+// Nodes whose shifts are multiplied together, and rows of each.
+constexpr std::size_t kNodesAtOnce = 32;
+constexpr Index kNodeRows = 9;
 
 /// Returns L of some components of the score, in the scaling of the network's rows.
 MatrixXd DenseColumns(const LinearizedNetwork& linearized, const Library& library,
@@ -50,6 +53,43 @@ MatrixXd SolveShifts(const Marginals& marginals, const Library& library,
   return shift;
 }
 
+/// Returns the shifts of position, velocity and attitude of some nodes, nine rows each.
+MatrixXd NodeShifts(const LinearizedNetwork& linearized, std::span<const NodeBlocks> nodes,
+                    const MatrixXd& shift) {
+  MatrixXd rows = MatrixXd::Zero(kNodeRows * static_cast<Index>(nodes.size()), shift.cols());
+  Index row = 0;
+  for (const NodeBlocks& node : nodes) {
+    for (const BlockId block : {node.p_mb.id, node.v_m.id, node.q_mb.id}) {
+      const int first = linearized.FirstColumn(block);
+      if (first >= 0) rows.middleRows<3>(row) = shift.middleRows<3>(first);
+      row += 3;
+    }
+  }
+  return rows;
+}
+
+/// `mean` and `gain` have the nine rows of the node: the mean shift, and a root of its covariance.
+NodeChange MakeChange(double t_s, const NodeAxes& axes, const Eigen::VectorXd& mean,
+                      const MatrixXd& gain) {
+  const MatrixXd position = gain.topRows<3>(), velocity = gain.middleRows<3>(3),
+                 attitude = gain.bottomRows<3>();
+  const auto variance = [](const MatrixXd& part) {
+    return Eigen::Vector3d(part.rowwise().squaredNorm());
+  };
+  NodeChange change;
+  change.t_s = t_s;
+  change.position_m = -mean.head<3>();
+  change.velocity_mps = -mean.segment<3>(3);
+  change.attitude_rad = -mean.tail<3>();
+  change.velocity_variance_enu = variance(axes.R_enu_m * velocity);
+  change.rph_variance_rad2 = variance(axes.rph_from_body * attitude);
+  change.position_covariance_m2 = position * position.transpose();
+  change.velocity_covariance = velocity * velocity.transpose();
+  change.pose_root.resize(6, gain.cols());
+  change.pose_root << axes.R_enu_m * position, attitude;
+  return change;
+}
+
 }  // namespace
 
 std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginals& marginals,
@@ -57,32 +97,18 @@ std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginal
   const MatrixXd shift = SolveShifts(marginals, library, unmodelled.components());
   const Eigen::VectorXd estimate = unmodelled.estimate()(unmodelled.components());
   const MatrixXd root = unmodelled.PosteriorRoot();
+  const std::span<const NodeBlocks> nodes(network.nodes());
   std::vector<NodeChange> changes;
-  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
-    const NodeBlocks& node = network.nodes()[k];
-    const auto rows = [&](BlockId block) {
-      const int first = marginals.linearized().FirstColumn(block);
-      return first < 0 ? MatrixXd(MatrixXd::Zero(3, shift.cols()))
-                       : MatrixXd(shift.middleRows<3>(first));
-    };
-    const MatrixXd p = rows(node.p_mb.id), v = rows(node.v_m.id), q = rows(node.q_mb.id);
-    const NodeAxes axes = FindNodeAxes(network, k);
-    const auto variance = [](const MatrixXd& gain) {
-      return Eigen::Vector3d(gain.rowwise().squaredNorm());
-    };
-    const MatrixXd position = axes.R_enu_m * p * root, attitude = q * root;
-    NodeChange change;
-    change.t_s = node.t_s;
-    change.position_m = -p * estimate;
-    change.velocity_mps = -v * estimate;
-    change.attitude_rad = -q * estimate;
-    change.velocity_variance_enu = variance(axes.R_enu_m * v * root);
-    change.rph_variance_rad2 = variance(axes.rph_from_body * attitude);
-    change.position_covariance_m2 = (p * root) * (p * root).transpose();
-    change.velocity_covariance = (v * root) * (v * root).transpose();
-    change.pose_root.resize(6, root.cols());
-    change.pose_root << position, attitude;
-    changes.push_back(change);
+  for (std::size_t first = 0; first < nodes.size(); first += kNodesAtOnce) {
+    const auto some = nodes.subspan(first, std::min(kNodesAtOnce, nodes.size() - first));
+    const MatrixXd rows = NodeShifts(marginals.linearized(), some, shift);
+    const Eigen::VectorXd mean = rows * estimate;
+    const MatrixXd gain = rows * root;
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const Index row = kNodeRows * static_cast<Index>(k);
+      changes.push_back(MakeChange(some[k].t_s, FindNodeAxes(network, first + k),
+                                   mean.segment(row, kNodeRows), gain.middleRows(row, kNodeRows)));
+    }
   }
   return changes;
 }

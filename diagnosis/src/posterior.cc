@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPriorNothing = 0.5;
 
-/// Returns the evidence of a discrepancy, limited by that of simpler effects that fit as well. Its
+/// Returns the evidence of a discrepancy, limited by that of simpler effects with an equal fit. Its
 /// lead over such an effect is due to the typical sizes alone.
 double LimitedEvidence(const HypothesisEvidence& discrepancy,
                        const std::vector<HypothesisEvidence>& hypotheses) {

@@ -16,7 +16,7 @@ struct HypothesisPrior {
   double rest_nats = 0.0;
 };
 
-/// Posterior probabilities of hypotheses of which one at most is true.
+/// Posterior probabilities of hypotheses. At most one of them is true.
 struct HypothesisPosterior {
   double nothing = 1.0;
   /// Probability of each hypothesis: an effect of the table, or something outside the library that
@@ -36,9 +36,9 @@ double DifferingShare(const HypothesisPrior& prior, double log_evidence);
 /// the table, n hypotheses altogether, and the share u of DifferingShare, the weights are
 ///
 ///   nothing                            1/2
-///   effect k                           1/2 (1 - P) / n_e B_k       times P if a rest is significant
+///   effect k                           1/2 (1 - P) / n_e B_k   times P with a significant rest
 ///   outside, looks like discrepancy d  1/2 P / n B_d
-///   outside, looks like effect k       1/2 P / n B_k               times u if no rest is significant
+///   outside, looks like effect k       1/2 P / n B_k           times u without one
 ///
 /// The first factor is that of a second event, outside the library, that explains the rest. The
 /// evidence of a discrepancy that fits no better than a simpler effect is at most that of the

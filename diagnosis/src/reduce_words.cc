@@ -5,6 +5,8 @@ std::string ReduceWords(EffectId effect) {
   switch (effect) {
     case EffectId::kGnssLeverArm:
       return "survey by total station; turns both ways";
+    case EffectId::kGnssCorrelatedNoise:
+      return "a nearer base station; more strips, flown at other times";
     case EffectId::kLidarLeverArm:
       return "survey by total station; strips at two heights";
     case EffectId::kGnssTimeOffset:

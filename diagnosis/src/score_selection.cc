@@ -108,6 +108,7 @@ class ScoreSelector {
     check.log_evidence = added.log_evidence;
     check.inseparable_from = InseparableEffects(*last_, *with, added);
     out_.effects.push_back(std::move(check));
+    out_.tests.push_back(TestHypothesis(added, last_->score));
     last_ = with.get();
     return with;
   }

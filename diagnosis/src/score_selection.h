@@ -16,6 +16,7 @@ namespace dn::diagnosis_internal {
 struct ScoreSelection {
   std::vector<EffectCheck> effects;        ///< in the order found
   std::vector<HypothesisEvidence> chosen;  ///< the same, with joint estimates
+  std::vector<ScoreTest> tests;            ///< the tests that found them
   /// Joint estimates of all of them, SI; one value per component of the score, 0 for all others.
   Eigen::VectorXd joint;
   JointScore left;  ///< the score after they have become unknowns

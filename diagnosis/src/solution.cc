@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gnss_process.h"
 #include "network_hypotheses.h"
 #include "unmodelled.h"
 
@@ -43,14 +44,18 @@ BoresightResult Solution::CheckedBoresight() const {
 
 BoresightResult Solution::PredictedBoresight() const {
   BoresightResult boresight = Boresight();
-  const UnmodelledPrior prior = MakeUnmodelledPrior(network().flight().config);
-  if (prior.pure()) return boresight;
-  const diagnosis_internal::Library library =
+  const FlightConfig& config = network().flight().config;
+  const UnmodelledPrior prior = MakeUnmodelledPrior(config);
+  if (prior.pure() && !HasAutomaticGnssProcess(config)) return boresight;
+  diagnosis_internal::Library library =
       diagnosis_internal::MakeNetworkHypotheses(network(), threads_, {});
+  const auto process =
+      diagnosis_internal::AddGnssProcess(network(), marginals_.linearized(), &library);
   JointScore score =
       ScoreEffects(marginals_, library.blocks, {network().calibration().boresight().id});
   score.s.setZero();
-  const diagnosis_internal::UnmodelledUnknowns unknowns(library, prior, score);
+  const diagnosis_internal::UnmodelledUnknowns unknowns(library, prior, score, process,
+                                                        diagnosis_internal::SizeSource::kPrior);
   if (unknowns.empty()) return boresight;
   UnmodelledEffects effects;
   effects.covariance_rad2 = unknowns.AddedCovariance();

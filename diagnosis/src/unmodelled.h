@@ -9,22 +9,33 @@
 #include <optional>
 #include <vector>
 
+#include "gnss_process.h"
 #include "hypothesis.h"
 #include "hypothesis_evidence.h"
+#include "process_mixture.h"
 
 namespace dn::diagnosis_internal {
 
 /// The effects of a library that have a prior, as further unknowns of an adjustment: conditioning
 /// of its joint score, to first order. `library` must outlive the object.
+///
+/// With a process, its coefficients are further unknowns. Their distribution is that over all sizes
+/// and time constants (ProcessMixture). It is that of a Gaussian with the mean and covariance of
+/// this mixture in all results but Conditioned.
 class UnmodelledUnknowns {
  public:
   /// `score` is that of the library without any of its effects in the model.
-  UnmodelledUnknowns(const Library& library, const UnmodelledPrior& prior, const JointScore& score);
+  UnmodelledUnknowns(const Library& library, const UnmodelledPrior& prior, const JointScore& score,
+                     const std::optional<GnssProcessBasis>& process = std::nullopt,
+                     SizeSource source = SizeSource::kDataAndPrior);
 
   bool empty() const { return components_.empty(); }
 
-  /// Components of the score with a prior.
+  /// Components of the score with a prior, those of the process last.
   const std::vector<Eigen::Index>& components() const { return components_; }
+
+  /// Returns the distribution of the process; nullopt without it.
+  const std::optional<ProcessMixture>& process() const { return process_; }
 
   /// Returns a square root of the posterior covariance of components(), SI.
   Eigen::MatrixXd PosteriorRoot() const;
@@ -37,11 +48,16 @@ class UnmodelledUnknowns {
   Eigen::VectorXd EstimateBeside(const Eigen::VectorXd& others) const;
 
   /// Returns the scores of all components in the model with these unknowns. That of a component
-  /// with a prior is the score of what the effect has beyond its prior.
+  /// with a prior is the score of what the effect has beyond its prior. The process has the
+  /// Gaussian prior ProcessMixture::prior_sigma.
   JointScore Conditioned() const;
 
   /// Returns the change of the watched unknowns in the rows of JointScore::shift.
   Eigen::VectorXd Correction() const { return -score_.shift * estimate_; }
+  /// Returns (A + D^-1)^-1 S^T: one row per component of the score, and one column per row of
+  /// JointScore::shift. An error e of the residuals changes the correction by the transpose of this
+  /// times L^T M e.
+  Eigen::MatrixXd Gain() const;
   /// Returns the covariance that these unknowns add to the rows of JointScore::shift.
   Eigen::MatrixXd AddedCovariance() const;
 
@@ -56,12 +72,20 @@ class UnmodelledUnknowns {
                                                 bool corrected = true) const;
 
  private:
+  void AddProcess(const GnssProcessBasis& process, SizeSource source);
+  EffectContribution ProcessContribution(const std::vector<Eigen::Index>& angle_rows) const;
+
   const Library& library_;
   const JointScore& score_;
-  std::vector<Eigen::Index> components_;  // those with a prior
-  Eigen::VectorXd sigma_;                 // prior standard deviations of the components_
-  Eigen::LLT<Eigen::MatrixXd> llt_;       // of I + sigma A sigma, A of the components_
-  Eigen::MatrixXd inverse_;               // its inverse
+  std::vector<Eigen::Index> components_;    // those with a prior
+  std::vector<Eigen::Index> fixed_;         // those of fixed effects
+  Eigen::VectorXd sigma_;                   // prior standard deviations of the fixed_
+  Eigen::LLT<Eigen::MatrixXd> llt_;         // of I + sigma A sigma, A of the fixed_
+  Eigen::MatrixXd inverse_;                 // its inverse
+  std::vector<Eigen::Index> coefficients_;  // components of the process
+  std::optional<ProcessMixture> process_;
+  Eigen::MatrixXd response_;    // change of the fixed_ per unit of the coefficients_
+  Eigen::MatrixXd covariance_;  // posterior, of the components_
   Eigen::VectorXd estimate_;
 };
 

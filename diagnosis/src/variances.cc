@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "inertial_noise.h"
 #include "likelihood_peak.h"
 
 namespace dn::diagnosis_internal {
@@ -26,6 +27,13 @@ constexpr double kWorthALookNats = 2.0;
 constexpr double kMostLogStep = 5.0;
 // Sizes within this fraction of the stated one count as no effect.
 constexpr double kNoEffect = 0.02;
+// Number of sizes of an inertial noise for which the network is evaluated.
+constexpr int kInertialSizes = 8;
+// Evidence of the residuals for an inertial noise from which on raw data add to it: the 5 % level
+// of a one-sided test.
+constexpr double kShownNats = 1.35;
+// Spread of the logarithms of the levels of axes and octaves: of a sensor, and of motion.
+constexpr double kSensorSpread = 0.03, kMotionSpread = 1.0;
 
 /// A variance component: rows of some channels, and the relative growth of their variances.
 struct Component {
@@ -37,6 +45,26 @@ struct Component {
   double centre = 1.0;              ///< centre of the prior of the size
   bool at_least_stated = false;     ///< the size cannot be below the stated one
 };
+
+/// Returns the evidence of a logarithm of two levels for a sensor, relative to motion.
+double EqualLevels(double log_ratio, double sigma) {
+  const auto log_density = [&](double spread) {
+    const double total = std::hypot(spread, sigma);
+    return -0.5 * std::pow(log_ratio / total, 2) - std::log(total);
+  };
+  return log_density(kSensorSpread) - log_density(kMotionSpread);
+}
+
+/// Returns the evidence that a noise is that of a sensor and not motion, nats: its axes and octaves
+/// have equal levels.
+double WhiteEvidence(const NoiseLevel& level) {
+  const auto& axes = level.axis_ratio;
+  const double sigma = std::sqrt(3.0) * level.sigma / level.ratio;
+  const double middle = std::log(axes[0] * axes[1]) / 2.0;
+  return EqualLevels(std::log(axes[0] / axes[1]), std::sqrt(2.0) * sigma) +
+         EqualLevels(std::log(axes[2]) - middle, std::sqrt(1.5) * sigma) +
+         EqualLevels(level.tilt, level.tilt_sigma);
+}
 
 /// Returns the log prior density of ln(size): normal distributions about ln(centre) of several
 /// spreads.
@@ -177,43 +205,101 @@ class Variances {
     const ImuModel& model = flight.config.imu->model;
     const NoiseCheck check = CheckNoise(MeasureHighBand(*flight.imu, model, high_band));
     const NoiseCauses noise = NoiseCauseEvidence(check.evidence);
-    out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
-    AddScale(EffectId::kGyroNoiseScale, check, kGyroTriad,
-             NoiseScaleEvidence(check, noise, kGyroTriad));
-    AddScale(EffectId::kAccelNoiseScale, check, kAccelTriad,
-             NoiseScaleEvidence(check, noise, kAccelTriad));
+    const double not_white = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
+    out_.raw_only_nats = std::max(0.0, not_white);
+    AddScale(EffectId::kGyroNoiseScale, check, noise, kGyroTriad);
+    AddScale(EffectId::kAccelNoiseScale, check, noise, kAccelTriad);
     const bool beside = check.evidence.window_and_scale > check.evidence.window;
     const auto& window = beside ? check.window_with_scale : check.window;
-    if (window) AddVibration(*window, WindowEvidence(check, noise));
+    if (window) AddVibration(*window, {check.evidence.window, -not_white});
   }
 
-  /// Returns the evidence of scaled noise. White noise competes with all other effects by its full
-  /// evidence. Noise that is not white is not an effect of the table; a scale then has only its
-  /// lead over coloured noise.
-  static double NoiseScaleEvidence(const NoiseCheck& check, const NoiseCauses& noise,
-                                   ImuTriad triad) {
-    return noise.not_white[triad] > 0.0 ? noise.scale[triad] : check.evidence.scale[triad];
+  /// Evidence of the raw data for an inertial noise, nats.
+  struct RawEvidence {
+    double against_stated = 0.0;
+    double against_motion = 0.0;
+  };
+
+  /// Returns the evidence that the raw data show more or less noise than stated, white or not.
+  static RawEvidence NoiseScaleEvidence(const NoiseCheck& check, const NoiseCauses& noise,
+                                        ImuTriad triad) {
+    const NoiseEvidence& raw = check.evidence;
+    const bool not_white = noise.not_white[triad] > 0.0;
+    return {not_white ? std::max({raw.scale[triad], raw.coloured[triad], raw.unsteady[triad]})
+                      : raw.scale[triad],
+            WhiteEvidence(*check.level[triad])};
   }
 
-  double WindowEvidence(const NoiseCheck& check, const NoiseCauses& noise) const {
-    return out_.coloured_imu > 0.0 ? noise.window : check.evidence.window;
+  /// Compares a noise of the raw data with the residuals of the network. The raw data also show
+  /// motion. Only if the residuals show the noise, do the raw data add that it is not a motion.
+  NetworkSupport Support(const RawEvidence& raw, const PreintegrationNoise& part,
+                         const std::vector<double>& thetas) const {
+    const Eigen::VectorXd share = InertialShare(network_, linearized_, part);
+    if (!(share.maxCoeff() > 0.0)) return {};
+    NetworkSupport support = FindNetworkSupport(linearized_, share, thetas, options_.threads);
+    if (support.of_raw_data && support.log_evidence > kShownNats) {
+      support.log_evidence += std::max(0.0, raw.against_motion);
+    }
+    support.log_evidence = std::min(support.log_evidence, raw.against_stated);
+    return support;
   }
 
-  void AddVibration(const NoiseWindow& window, double log_evidence) {
+  void NoteRawOnly(const RawEvidence& raw, const NetworkSupport& support) {
+    out_.raw_only_nats =
+        std::max(out_.raw_only_nats, raw.against_stated - std::max(0.0, support.log_evidence));
+  }
+
+  void AddVibration(const NoiseWindow& window, const RawEvidence& raw) {
     if (!options_.Wanted(EffectId::kImuVibration)) return;
-    out_.effects.push_back(MakeEvidence(
-        EffectId::kImuVibration, log_evidence, Eigen::Vector2d(window.sigma[0], window.sigma[1]),
-        Eigen::Vector2d(window.sigma_of_sigma[0], window.sigma_of_sigma[1])));
+    double log_evidence = raw.against_stated, part = 1.0;
+    if (raw.against_stated > kWorthALookNats) {
+      const ImuVibration added{window.t0_s, window.t1_s, window.sigma[kGyroTriad],
+                               window.sigma[kAccelTriad]};
+      std::vector<double> thetas;
+      for (int k = 1; k <= kInertialSizes; ++k) thetas.push_back(std::exp2(k - kInertialSizes));
+      const NetworkSupport support = Support(raw, {0.0, 0.0, 0.0, {added}}, thetas);
+      NoteRawOnly(raw, support);
+      log_evidence = support.log_evidence;
+      part = std::sqrt(support.theta);
+    }
+    const Eigen::Vector2d sigma = part * Eigen::Vector2d(window.sigma[0], window.sigma[1]);
+    out_.effects.push_back(
+        MakeEvidence(EffectId::kImuVibration, log_evidence, sigma,
+                     Eigen::Vector2d(window.sigma_of_sigma[0], window.sigma_of_sigma[1])));
     out_.effects.back().times.window_s = {{window.t0_s, window.t1_s}};
   }
 
-  void AddScale(EffectId id, const NoiseCheck& check, ImuTriad triad, double log_evidence) {
+  void AddScale(EffectId id, const NoiseCheck& check, const NoiseCauses& noise, ImuTriad triad) {
     if (!check.level[triad] || !options_.Wanted(id)) return;
     const NoiseLevel& level = *check.level[triad];
-    const bool matters = std::abs(level.ratio - 1.0) >= kNoEffect;
+    const RawEvidence raw = NoiseScaleEvidence(check, noise, triad);
+    double log_evidence = raw.against_stated, ratio = level.ratio, sigma = level.sigma;
+    if (raw.against_stated > kWorthALookNats && std::abs(level.ratio - 1.0) >= kNoEffect) {
+      const NetworkSupport support = ScaleSupport(raw, level.ratio, triad);
+      NoteRawOnly(raw, support);
+      log_evidence = support.log_evidence;
+      if (!support.of_raw_data) {
+        ratio = std::sqrt(1.0 + support.theta);
+        sigma = std::abs(std::log(level.ratio)) / kInertialSizes * ratio;
+      }
+    }
+    const bool matters = std::abs(ratio - 1.0) >= kNoEffect;
     out_.effects.push_back(MakeEvidence(id, matters ? log_evidence : std::min(0.0, log_evidence),
-                                        Eigen::VectorXd::Constant(1, level.ratio),
-                                        Eigen::VectorXd::Constant(1, level.sigma)));
+                                        Eigen::VectorXd::Constant(1, ratio),
+                                        Eigen::VectorXd::Constant(1, sigma)));
+  }
+
+  NetworkSupport ScaleSupport(const RawEvidence& raw, double ratio, ImuTriad triad) const {
+    const ImuModel& model = network_.flight().config.imu->model;
+    PreintegrationNoise part;
+    part.position_floor_m = 0.0;
+    if (triad == kGyroTriad) part.gyro_white_rad_per_sqrt_s = model.gyro.white;
+    if (triad == kAccelTriad) part.accel_white_mps_per_sqrt_s = model.accel.white;
+    std::vector<double> thetas;
+    for (int k = 1; k <= kInertialSizes; ++k) {
+      thetas.push_back(std::pow(ratio, 2.0 * k / kInertialSizes) - 1.0);
+    }
+    return Support(raw, part, thetas);
   }
 
   const FlightNetwork& network_;

@@ -12,14 +12,14 @@
 
 namespace dn::diagnosis_internal {
 
-/// Evidence on the sizes of the stated noise. GNSS and pairs use the restricted likelihood of the
-/// network; inertial sensors use the high band of their raw data. Effects are in SI; their evidence
+/// Evidence on the sizes of the stated noise, by the restricted likelihood of the network. The high
+/// band of raw inertial data proposes the noise of these sensors. Effects are in SI; their evidence
 /// is comparable with that of the screen.
 struct VarianceScreen {
   std::vector<HypothesisEvidence> effects;
-  /// Evidence of inertial noise that is not white or not steady, relative to the best model with
-  /// white noise, nats. No effect of the table describes such noise.
-  double coloured_imu = 0.0;
+  /// Largest evidence of raw inertial data against the stated noise that the residuals of the
+  /// network do not show, nats. It is motion of the platform, or noise too small to matter.
+  double raw_only_nats = 0.0;
 };
 
 /// Screens the noise relative to the configuration of the network's flight, including its

@@ -37,6 +37,7 @@ SmoothedFlight Fly(const dn::Scenario& scenario, std::uint64_t seed,
   dn::SimulateOptions options;
   options.seed = seed;
   SmoothedFlight out{dn::Simulate(scenario, options), {}};
+  out.sim.flight.config.unmodelled.none = true;  // the paper's model
 
   dn::AdjustOptions without_lidar;
   without_lidar.with_pairs = false;

@@ -1,6 +1,7 @@
 // The experiments of Brun & Skaloud, "Scene-agnostic ALS boresight self-calibration", repeated on
 // simulated flights with the paper's geometries. Each table also shows the published figures.
 //
+//   example_paper --distances
 //   example_paper [--seeds N] [--sets leg2,lar3] [--node-rate HZ] [--robustness 0]
 //                 [--out DIR]
 //
@@ -15,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "distances.h"
 #include "on_the_job.h"
 #include "published.h"
 #include "robustness.h"
@@ -26,6 +28,7 @@ struct Options {
   std::vector<std::string> sets;
   std::optional<double> node_rate_hz;
   bool robustness = true;
+  bool distances = false;
   std::filesystem::path out = "paper_flights";
 };
 
@@ -44,6 +47,7 @@ std::vector<paper::SetResult> CalibrateOnTheJob(const Options& options) {
 }
 
 void Run(const Options& options) {
+  if (options.distances) return paper::PrintDistances();
   fmt::print("Simulated flights, seeds 1 to {}; the paper's figures are of real ones.\n",
              options.seeds);
   const std::vector<paper::SetResult> sets = CalibrateOnTheJob(options);
@@ -70,6 +74,8 @@ int main(int argc, char** argv) {
                  "nodes per second of the network within the strips; default: auto")
       ->check(CLI::PositiveNumber);
   app.add_option("--robustness", options.robustness, "offsets, far start and thinned pairs, too");
+  app.add_flag("--distances", options.distances,
+               "only the distances of the published boresights from their references");
   app.add_option("--out", options.out, "folder of the smoothed trajectories");
   CLI11_PARSE(app, argc, argv);
   try {

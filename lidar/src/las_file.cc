@@ -44,6 +44,8 @@ class LasFileReader {
     ReadCounts();
     ReadGrid();
     ReadVlrs();
+    ReadCompression();
+    ExpectPoints();
     ReadTail();
     ReadCrs();
     return std::move(las_);
@@ -107,11 +109,14 @@ class LasFileReader {
            ", but the limit is " + std::to_string(kMostHeadBytes) + "; remove unneeded records");
     }
     las_.head = ReadBytes(0, points_begin);
+    las_.points_begin = points_begin;
   }
 
   void ReadLayout() {
-    const auto format = Number<std::uint8_t>(las::kFormatAt);
-    if ((format & 0xC0) != 0) FailCompressed();
+    auto format = Number<std::uint8_t>(las::kFormatAt);
+    says_compressed_ = (format & las::kCompressedBit) != 0;
+    format &= static_cast<std::uint8_t>(~las::kCompressedBit);
+    las_.head[las::kFormatAt] = static_cast<char>(format);
     const int most = las_.minor == 2 ? 3 : las_.minor == 3 ? 5 : 10;
     if (format > most) {
       Fail("point format " + std::to_string(format) + " (byte 104) is not supported: version 1." +
@@ -134,13 +139,6 @@ class LasFileReader {
     las_.described_bytes = kFormatBytes[format];
   }
 
-  [[noreturn]] void FailCompressed() const {
-    throw InvalidInput(
-        "the points are compressed (LAZ), which is not supported; unpack the file with `laszip -i "
-        "strip.laz -o strip.las` or `pdal translate strip.laz strip.las`",
-        where_);
-  }
-
   void ReadCounts() {
     const auto legacy = Number<std::uint32_t>(las::kLegacyCountAt);
     las_.points = las_.minor < 4 ? legacy : Number<std::uint64_t>(las::kCountAt);
@@ -148,10 +146,15 @@ class LasFileReader {
       Fail("it gives two different numbers of points, " + std::to_string(las_.points) +
            " (byte 247) and " + std::to_string(legacy) + " (byte 107); repair it");
     }
-    const std::uint64_t room = las_.file_bytes - las_.points_begin();
+  }
+
+  /// Checks that a file without compression has room for its points.
+  void ExpectPoints() const {
+    if (las_.compressed) return;
+    const std::uint64_t room = las_.file_bytes - las_.points_begin;
     if (las_.points > room / las_.record_bytes) {
       Fail("it announces " + std::to_string(las_.points) + " points of " +
-           Bytes(las_.record_bytes) + " from byte " + std::to_string(las_.points_begin()) +
+           Bytes(las_.record_bytes) + " from byte " + std::to_string(las_.points_begin) +
            " on, but the file ends after " + std::to_string(room / las_.record_bytes) +
            " of them (" + Bytes(las_.file_bytes) +
            "): it is truncated, or the header is wrong; copy it again, or repair it");
@@ -220,12 +223,42 @@ class LasFileReader {
         Fail(name + ", has " + Bytes(vlr.bytes) +
              " of content and therefore extends into the points");
       }
-      if (vlr.user == "laszip encoded") FailCompressed();
       at += las::kVlrHeaderBytes + vlr.bytes;
       if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) ReadExtraBytes(vlr);
       if (vlr.user == las::kBoresightUser && vlr.id == las::kBoresightId) ReadBoresight(vlr);
       las_.vlrs.push_back(std::move(vlr));
     }
+  }
+
+  /// Reads the record of the compression and removes it from the head.
+  void ReadCompression() {
+    const auto vlr = std::find_if(las_.vlrs.begin(), las_.vlrs.end(), [](const Vlr& each) {
+      return each.user == laz::Compression::kUser && each.id == laz::Compression::kId;
+    });
+    if (vlr == las_.vlrs.end()) {
+      if (says_compressed_)
+        Fail("the points are compressed, but the record that says how is missing");
+      return;
+    }
+    try {
+      const laz::Compression compression =
+          laz::ParseCompression(las_.Content(*vlr), las_.format, las_.record_bytes);
+      las_.compressed =
+          laz::FindChunks(&in_, compression, las_.points_begin, las_.file_bytes, las_.points);
+    } catch (const laz::Damaged& e) {
+      throw InvalidInput(std::string("LAZ: ") + e.what() + "; copy the file again, or repair it",
+                         where_);
+    }
+    RemoveVlr(vlr);
+  }
+
+  void RemoveVlr(std::vector<Vlr>::iterator vlr) {
+    const std::size_t bytes = las::kVlrHeaderBytes + vlr->bytes;
+    las_.head.erase(vlr->at, bytes);
+    const auto count = Number<std::uint32_t>(las::kVlrCountAt);
+    StoreLittleEndian(count - 1, las_.head.data() + las::kVlrCountAt);
+    vlr = las_.vlrs.erase(vlr);
+    for (; vlr != las_.vlrs.end(); ++vlr) vlr->at -= bytes;
   }
 
   void ReadExtraBytes(const Vlr& vlr) {
@@ -253,7 +286,8 @@ class LasFileReader {
 
   // Reads the data after the points, or checks that the file ends there.
   void ReadTail() {
-    std::uint64_t tail = las_.points_end();
+    const std::uint64_t tail = las_.points_end();
+    las_.tail_begin = las_.compressed ? las_.file_bytes : tail;
     if (las_.minor == 4 && Number<std::uint32_t>(las::kEvlrCountAt) > 0) {
       ReadEvlrs();
       return;
@@ -265,12 +299,18 @@ class LasFileReader {
              ", which must lie after the points, which end at byte " + std::to_string(tail) +
              ", and within the file of " + Bytes(las_.file_bytes));
       }
-      if (waveform != 0) return;
+      if (waveform != 0) return BeginTail(waveform);
     }
+    if (las_.compressed) return;
     if (las_.file_bytes - tail >= las_.record_bytes) {
       Fail(Bytes(las_.file_bytes - tail) + " follow the " + std::to_string(las_.points) +
            " points that it announces: the number of points is wrong; repair it");
     }
+  }
+
+  /// Notes where data after compressed points begin. Other files are copied from the last point on.
+  void BeginTail(std::uint64_t begin) {
+    if (las_.compressed) las_.tail_begin = std::min(las_.tail_begin, begin);
   }
 
   void ReadEvlrs() {
@@ -303,9 +343,15 @@ class LasFileReader {
           bytes <= kMostWktBytes) {
         extended_wkt_ = ReadBytes(at + las::kEvlrHeaderBytes, bytes);
       }
+      if (TextUpToNull(header.substr(2, 16)) == las::kIndexUser) las_.indexes_at.push_back(at);
       at += las::kEvlrHeaderBytes + bytes;
     }
-    ExpectLittleElse(begin - las_.points_end() + las_.file_bytes - at);
+    if (!las_.compressed) ExpectLittleElse(begin - las_.points_end() + las_.file_bytes - at);
+    BeginTail(begin);
+    if (const auto waveform = Number<std::uint64_t>(las::kWaveformAt);
+        waveform >= las_.points_end()) {
+      BeginTail(waveform);
+    }
   }
 
   /// Throws if too many bytes after the points belong to no record. They are copied when the file
@@ -338,6 +384,7 @@ class LasFileReader {
   std::ifstream in_;
   LasFile las_;
   std::string extended_wkt_;
+  bool says_compressed_ = false;
 };
 
 }  // namespace

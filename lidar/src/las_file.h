@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "laz/laz.h"
+
 namespace dn::lidar_internal {
 
 /// Byte positions in the header and in the records, from the ASPRS LAS specification 1.4 R15.
@@ -24,6 +26,7 @@ inline constexpr std::size_t kEncodingAt = 6, kVersionAt = 24, kSoftwareAt = 58,
                              kCountAt = 247, kReturnsAt = 255;
 inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14, kLegacyClassAt = 15, kClassAt = 16;
 inline constexpr std::size_t kVlrHeaderBytes = 54, kEvlrHeaderBytes = 60, kDescriptorBytes = 192;
+inline constexpr std::size_t kRecordUserAt = 2, kRecordUserBytes = 16;
 inline constexpr std::size_t kLegacyReturns = 5, kReturns = 15;
 inline constexpr std::uint16_t kExtraBytesId = 4;
 /// The record of the boresight that the points were computed with: roll, pitch, yaw [deg, FRD] as
@@ -31,6 +34,13 @@ inline constexpr std::uint16_t kExtraBytesId = 4;
 inline constexpr std::string_view kBoresightUser = "dn";
 inline constexpr std::uint16_t kBoresightId = 1;
 inline constexpr std::size_t kBoresightBytes = 24;
+/// The records of COPC, which contain positions of points in the file.
+inline constexpr std::string_view kIndexUser = "copc";
+/// The record that replaces one whose content is no longer valid.
+inline constexpr std::string_view kSupersededUser = "LASF_Spec";
+inline constexpr std::uint16_t kSupersededId = 7;
+/// The bit of the point format that marks compressed points.
+inline constexpr std::uint8_t kCompressedBit = 0x80;
 }  // namespace las
 
 /// One attribute of a record after its standard part.
@@ -51,12 +61,14 @@ struct Vlr {
   std::size_t bytes = 0;  ///< length of its content
 };
 
-/// Checked contents of a LAS file, without the points.
+/// Checked contents of a LAS or LAZ file, without the points.
 struct LasFile {
   std::filesystem::path path;
-  std::string head;  ///< all bytes before the first point
-  int minor = 0;     ///< minor part of version 1.minor
-  int format = 0;    ///< point format
+  /// All bytes before the points, as in a file without compression: the record of the compression
+  /// is left out.
+  std::string head;
+  int minor = 0;   ///< minor part of version 1.minor
+  int format = 0;  ///< point format
   std::size_t header_bytes = 0;
   std::size_t record_bytes = 0;
   std::uint64_t points = 0;
@@ -73,8 +85,15 @@ struct LasFile {
   StripCrs crs;
   std::optional<Eigen::Vector3d> boresight_rad;  ///< recorded by a writer of this program
 
-  std::uint64_t points_begin() const { return head.size(); }
-  std::uint64_t points_end() const { return head.size() + points * record_bytes; }
+  std::uint64_t points_begin = 0;  ///< position of the points in the file
+  std::optional<laz::CompressedPoints> compressed;
+  std::uint64_t tail_begin = 0;  ///< position of the waveforms and extended records
+  /// Positions of the extended records with positions of points (COPC).
+  std::vector<std::uint64_t> indexes_at;
+
+  std::uint64_t points_end() const {
+    return compressed ? compressed->end : points_begin + points * record_bytes;
+  }
   /// Returns the extra attribute of this name; nullptr if the file has no such attribute.
   const ExtraDimension* Find(std::string_view name) const;
   /// Returns the content of a variable length record.

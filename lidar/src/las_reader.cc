@@ -27,7 +27,8 @@ std::string DescribePoint(std::uint64_t index) { return "point " + std::to_strin
 LasReader::LasReader(const std::filesystem::path& file)
     : las_(ReadLasFile(file)), in_(file, std::ios::binary) {
   if (!in_) throw InvalidInput("file cannot be opened for reading", Where());
-  in_.seekg(static_cast<std::streamoff>(las_.points_begin()));
+  in_.seekg(static_cast<std::streamoff>(las_.points_begin));
+  if (las_.compressed) compressed_.emplace(&in_, &*las_.compressed);
   const std::array<const ExtraDimension*, 3> vector{las_.Find("ux"), las_.Find("uy"),
                                                     las_.Find("uz")};
   const auto is_number = [](const ExtraDimension* each) {
@@ -48,13 +49,32 @@ bool LasReader::Next(StripCloud* chunk) {
 void LasReader::ReadRecords(std::uint64_t count, StripCloud* chunk) {
   chunk->record_bytes = las_.record_bytes;
   chunk->records.resize(count * las_.record_bytes);
-  in_.read(chunk->records.data(), static_cast<std::streamsize>(chunk->records.size()));
-  if (static_cast<std::size_t>(in_.gcount()) != chunk->records.size()) {
-    throw InvalidInput(
-        "file ends at " + DescribePoint(read_) + " of " + std::to_string(las_.points), Where());
+  if (compressed_) {
+    ReadCompressed(count, &chunk->records);
+  } else {
+    ReadPlain(&chunk->records);
   }
   for (std::uint64_t i = 0; i < count; ++i, ++read_) {
     Decode(read_, chunk->records.data() + i * las_.record_bytes, chunk);
+  }
+}
+
+void LasReader::ReadPlain(std::string* records) {
+  in_.read(records->data(), static_cast<std::streamsize>(records->size()));
+  if (static_cast<std::size_t>(in_.gcount()) != records->size()) {
+    throw InvalidInput(
+        "file ends at " + DescribePoint(read_) + " of " + std::to_string(las_.points), Where());
+  }
+}
+
+void LasReader::ReadCompressed(std::uint64_t count, std::string* records) {
+  try {
+    compressed_->Read(count, las_.record_bytes, records->data());
+  } catch (const laz::Damaged& e) {
+    throw InvalidInput("LAZ: the points from " + DescribePoint(read_) + " to " +
+                           std::to_string(read_ + count) + " cannot be decompressed: " + e.what() +
+                           "; copy the file again, or compress it again",
+                       Where());
   }
 }
 

@@ -9,7 +9,7 @@
 
 namespace dn::lidar_internal {
 
-/// Reads the points of a LAS file.
+/// Reads the points of a LAS or LAZ file.
 class LasReader final : public StripReader {
  public:
   explicit LasReader(const std::filesystem::path& file);
@@ -25,6 +25,8 @@ class LasReader final : public StripReader {
 
  private:
   void ReadRecords(std::uint64_t count, StripCloud* chunk);
+  void ReadPlain(std::string* records);
+  void ReadCompressed(std::uint64_t count, std::string* records);
   void Decode(std::uint64_t index, const char* record, StripCloud* chunk);
   double Time(std::uint64_t index, const char* record);
   FileLocation Where() const { return {las_.path.string()}; }
@@ -32,6 +34,7 @@ class LasReader final : public StripReader {
   LasFile las_;
   std::array<const ExtraDimension*, 3> vector_{};  ///< ux, uy, uz
   std::ifstream in_;
+  std::optional<laz::PointReader> compressed_;
   std::uint64_t read_ = 0;
   /// GPS time of the file minus seconds of week. It is a number of whole weeks, so that the
   /// subtraction is exact.

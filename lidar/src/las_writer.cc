@@ -5,6 +5,7 @@
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -112,11 +113,31 @@ std::string BoresightContent(const Eigen::Vector3d& boresight_rad) {
   return content;
 }
 
+/// Returns the user and the number of a record whose content is no longer valid.
+std::string SupersededName() {
+  std::string name(las::kSupersededUser);
+  name.resize(las::kRecordUserBytes, '\0');
+  AppendLittleEndian(las::kSupersededId, name);
+  return name;
+}
+
+bool IsLazName(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".laz";
+}
+
 /// Returns the header and records of the new file.
 std::string MakeHead(const LasFile& las, const StripAdditions& additions,
                      std::optional<std::array<std::size_t, 6>>* covariance_at,
                      std::size_t* record_bytes) {
   std::string head = las.head;
+  for (const Vlr& vlr : las.vlrs) {
+    if (vlr.user == las::kIndexUser) {
+      head.replace(vlr.at + las::kRecordUserAt, SupersededName().size(), SupersededName());
+    }
+  }
   std::string boresight;
   if (additions.boresight_rad) boresight = BoresightContent(*additions.boresight_rad);
   const Vlr* older = FindVlr(las, las::kBoresightUser, las::kBoresightId);
@@ -143,16 +164,37 @@ LasWriter::LasWriter(const std::filesystem::path& file, LasFile las,
   max_ = -min_;
   std::fill_n(head_.begin() + las::kSoftwareAt, kSoftwareBytes, '\0');
   std::memcpy(head_.data() + las::kSoftwareAt, kSoftware, std::strlen(kSoftware));
+  if (IsLazName(file)) StartCompression();
   Store(las::kPointsAt, static_cast<std::uint32_t>(head_.size()));
   Store(las::kRecordBytesAt, static_cast<std::uint16_t>(record_bytes_));
-  file_.Append(head_);
+  AppendBytes(head_);
+}
+
+void LasWriter::StartCompression() {
+  const laz::Compression compression = laz::MakeCompression(las_.format, record_bytes_);
+  AppendVlr(las_,
+            FormatVlr(laz::Compression::kUser, laz::Compression::kId, "compression of the points",
+                      laz::FormatCompression(compression)),
+            &head_);
+  head_[las::kFormatAt] = static_cast<char>(las_.format | las::kCompressedBit);
+  compressed_.emplace(compression, head_.size());
+}
+
+void LasWriter::AppendBytes(std::string_view bytes) {
+  file_.Append(bytes);
+  end_ += bytes.size();
 }
 
 void LasWriter::Append(const StripCloud& points) {
   buffer_.clear();
   buffer_.reserve(points.size() * record_bytes_);
   for (std::size_t i = 0; i < points.size(); ++i) AppendRecord(points, i);
-  file_.Append(buffer_);
+  if (compressed_) {
+    compressed_->Append(buffer_);
+    AppendBytes(compressed_->TakeBytes());
+  } else {
+    AppendBytes(buffer_);
+  }
 }
 
 void LasWriter::AppendRecord(const StripCloud& points, std::size_t i) {
@@ -191,17 +233,33 @@ void LasWriter::StorePosition(const Eigen::Vector3d& p_c, char* record) {
   }
 }
 
+void LasWriter::FinishPoints() {
+  if (!compressed_) return;
+  compressed_->Finish();
+  AppendBytes(compressed_->TakeBytes());
+  std::string pointer;
+  AppendLittleEndian(compressed_->table_at(), pointer);
+  file_.Overwrite(head_.size(), pointer);
+}
+
 void LasWriter::CopyTail() {
   std::ifstream in(las_.path, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(las_.points_end()));
+  in.seekg(static_cast<std::streamoff>(las_.tail_begin));
   std::string bytes;
-  for (std::uint64_t left = las_.file_bytes - las_.points_end(); left > 0; left -= bytes.size()) {
+  for (std::uint64_t left = las_.file_bytes - las_.tail_begin; left > 0; left -= bytes.size()) {
     bytes.resize(std::min<std::uint64_t>(left, kCopyBytes));
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (static_cast<std::size_t>(in.gcount()) != bytes.size()) {
       throw InvalidInput("file cannot be read after its points", FileLocation{las_.path.string()});
     }
-    file_.Append(bytes);
+    AppendBytes(bytes);
+  }
+}
+
+/// Marks the copied indexes of the points as superseded. `tail_at` is the position of the copy.
+void LasWriter::SupersedeIndexes(std::uint64_t tail_at) {
+  for (const std::uint64_t at : las_.indexes_at) {
+    file_.Overwrite(at - las_.tail_begin + tail_at + las::kRecordUserAt, SupersededName());
   }
 }
 
@@ -221,21 +279,24 @@ void LasWriter::StoreCounts() {
   for (std::size_t k = 0; k < las::kReturns; ++k) Store(las::kReturnsAt + 8 * k, returns_[k]);
 }
 
-/// Updates the positions at which the waveforms and the extended records begin.
-void LasWriter::MoveTail() {
-  const std::uint64_t end = head_.size() + written_ * record_bytes_;
+/// Updates the positions at which the waveforms and the extended records begin. `tail_at` is the
+/// position of the copied data.
+void LasWriter::MoveTail(std::uint64_t tail_at) {
   const auto move = [&](std::size_t at) {
     const auto begin = LoadLittleEndian<std::uint64_t>(head_.data() + at);
-    if (begin >= las_.points_end()) Store(at, begin - las_.points_end() + end);
+    if (begin >= las_.tail_begin) Store(at, begin - las_.tail_begin + tail_at);
   };
   if (las_.minor >= 3) move(las::kWaveformAt);
   if (las_.minor >= 4) move(las::kEvlrAt);
 }
 
 void LasWriter::Finish() {
+  FinishPoints();
+  const std::uint64_t tail_at = end_;
   CopyTail();
+  SupersedeIndexes(tail_at);
   StoreCounts();
-  MoveTail();
+  MoveTail(tail_at);
   file_.Overwrite(0, head_);
   file_.Publish();
 }

@@ -50,7 +50,7 @@ LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
   las.format = static_cast<int>(kFormat);
   las.header_bytes = kHeaderBytes;
   las.record_bytes = las.described_bytes = kRecordBytes;
-  las.file_bytes = las.head.size();
+  las.file_bytes = las.points_begin = las.tail_begin = las.head.size();
   las.scale.setConstant(grid.scale_m);
   las.offset = grid.offset_m;
   las.time_at = kTimeAt;

@@ -16,7 +16,7 @@ std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file) {
   if (ending == ".txt") return std::make_unique<lidar_internal::StripTextReader>(file);
   if (ending == ".las" || ending == ".laz")
     return std::make_unique<lidar_internal::LasReader>(file);
-  throw InvalidInput("strips must be .las or .txt files, but the extension is '" + ending + "'",
+  throw InvalidInput("strips must be .las, .laz or .txt files, not '" + ending + "'",
                      FileLocation{file.string()});
 }
 

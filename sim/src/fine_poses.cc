@@ -7,6 +7,12 @@ namespace dn {
 namespace {
 
 constexpr double kStep_s = 2e-3;
+constexpr double kStepsPerPeriod = 8.0;
+
+double LongestStep(const TruthTrajectory& truth) {
+  const double vibration_hz = truth.vibration_hz();
+  return vibration_hz > 0.0 ? std::min(kStep_s, 1.0 / (kStepsPerPeriod * vibration_hz)) : kStep_s;
+}
 
 /// Returns the cubic between two values with given derivatives; x in [0, 1] is the fraction of the
 /// step.
@@ -21,7 +27,8 @@ V Cubic(const V& a, const V& a_rate, const V& b, const V& b_rate, double step_s,
 
 FinePoses::FinePoses(const TruthTrajectory& truth, double begin_s, double end_s)
     : begin_s_(begin_s) {
-  const int steps = std::max(1, static_cast<int>(std::ceil((end_s - begin_s) / kStep_s)));
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil((end_s - begin_s) / LongestStep(truth))));
   step_s_ = std::max((end_s - begin_s) / steps, 1e-9);
   for (int i = 0; i <= steps; ++i) {
     const TruthState state = truth.State(std::min(begin_s + i * step_s_, truth.t_end_s()));

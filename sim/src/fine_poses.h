@@ -10,7 +10,8 @@ namespace dn {
 
 /// Computes many true poses within a short time. It interpolates exact poses every 2 ms by cubics
 /// with their velocities and angular rates. The error is below 1e-7 m and 1e-9 rad for motion up to
-/// a few Hz.
+/// a few Hz. Vibration shortens the step to an eighth of its shortest period, which gives errors of
+/// 0.1 % of its amplitude.
 class FinePoses {
  public:
   FinePoses(const TruthTrajectory& truth, double begin_s, double end_s);

@@ -5,6 +5,7 @@
 #include <dn/sim/scenario.h>
 
 #include "scenario_words.h"
+#include "vibration_section.h"
 
 namespace dn {
 namespace {
@@ -74,6 +75,7 @@ void WritePlan(const PlanScenario& plan, Writer* out) {
   out->Key("bank_deg", Number(plan.bank_rad, &FromDeg));
   out->Key("turbulence", Turbulence(plan.turbulence));
   out->Key("crab_deg", Number(plan.crab_rad, &FromDeg));
+  out->Key("vibration", FormatVibration(plan.vibration));
   out->Key("stabilised_mount", plan.stabilised_mount ? "true" : "false");
 }
 
@@ -136,6 +138,16 @@ void WriteEffects(const std::vector<Effect>& effects, Writer* out) {
   }
 }
 
+std::string PairText(const PairScenario& pairs) {
+  std::string text =
+      "{count: " + std::to_string(pairs.count) + ", sigma_p_m: " + Number(pairs.sigma_p_m);
+  if (pairs.shared_fraction > 0.0) {
+    text += ", shared_error: {fraction: " + Number(pairs.shared_fraction) +
+            ", length_m: " + Number(pairs.shared_length_m) + "}";
+  }
+  return text + "}";
+}
+
 }  // namespace
 
 std::string FormatScenario(const Scenario& scenario) {
@@ -150,8 +162,7 @@ std::string FormatScenario(const Scenario& scenario) {
   WriteImu(scenario.imu, &out);
   WriteGnss(scenario.gnss, &out);
   WriteLidar(scenario.lidar, &out);
-  out.Top("pairs", "{count: " + std::to_string(scenario.pairs.count) +
-                       ", sigma_p_m: " + Number(scenario.pairs.sigma_p_m) + "}");
+  out.Top("pairs", PairText(scenario.pairs));
   out.Top("strips", scenario.strips ? "true" : "false");
   WriteEffects(scenario.effects, &out);
   return out.Take();

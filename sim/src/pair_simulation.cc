@@ -12,6 +12,7 @@
 #include <string>
 
 #include "scanner.h"
+#include "smooth_field.h"
 
 namespace dn {
 namespace {
@@ -74,6 +75,7 @@ struct Overlap {
 
 struct TwoSightings {
   Sighting i, j;
+  Vector2d en_m;  // the ground point that both see
 };
 
 class PairSampler {
@@ -92,7 +94,7 @@ class PairSampler {
     if (!from_i) return std::nullopt;
     const auto from_j = See(point_m, *overlap.j, random);
     if (!from_j) return std::nullopt;
-    return TwoSightings{*from_i, *from_j};
+    return TwoSightings{*from_i, *from_j, en_m};
   }
 
  private:
@@ -194,8 +196,9 @@ class PairSimulator {
     for (const Overlap& overlap : SharedOut(sampler)) {
       if (overlap.count == 0) continue;
       Random random(options_.seed, "pair noise " + overlap.File());
+      const std::optional<SmoothField> shared = SharedErrors(overlap);
       for (const TwoSightings& sightings : Draw(overlap, sampler, options_.seed)) {
-        data.pairs.push_back(Measured(sightings, random));
+        data.pairs.push_back(Measured(sightings, shared, random));
         data.pairs.back().file = static_cast<int>(data.files.size());
       }
       data.files.emplace_back(overlap.File());
@@ -222,12 +225,21 @@ class PairSimulator {
     return overlaps;
   }
 
-  double EndSigma(const TwoSightings& sightings) const {
+  /// Returns the errors that neighbouring pairs of an overlap share, in sigmas; nullopt if there
+  /// are none.
+  std::optional<SmoothField> SharedErrors(const Overlap& overlap) const {
+    if (scenario_.pairs.shared_fraction == 0.0) return std::nullopt;
+    Random random(options_.seed, "shared errors " + overlap.File());
+    return SmoothField(scenario_.pairs.shared_length_m, &random);
+  }
+
+  /// Returns the standard deviation per coordinate of the difference of a pair.
+  double PairSigma(const TwoSightings& sightings) const {
     if (!options_.noise) return 0.0;
     const double mean_range_m = 0.5 * (sightings.i.u_s.norm() + sightings.j.u_s.norm());
     double sigma_p_m = scenario_.pairs.sigma_p_m;
     for (const auto& sigma_m : effects_.pair_sigma_m) sigma_p_m = sigma_m(sigma_p_m, mean_range_m);
-    return sigma_p_m / std::numbers::sqrt2;
+    return sigma_p_m;
   }
 
   Vector3d Measured(const Sighting& sighting) const {
@@ -236,13 +248,17 @@ class PairSimulator {
     return u_s;
   }
 
-  LidarPair Measured(const TwoSightings& sightings, Random& random) const {
-    const double sigma_m = EndSigma(sightings);
+  LidarPair Measured(const TwoSightings& sightings, const std::optional<SmoothField>& shared,
+                     Random& random) const {
+    const double pair_sigma_m = PairSigma(sightings);
+    const double fraction = scenario_.pairs.shared_fraction;
+    const double sigma_m = std::sqrt(1.0 - fraction) * pair_sigma_m / std::numbers::sqrt2;
     LidarPair pair;
     pair.t_i_s = sightings.i.t_s;
     pair.t_j_s = sightings.j.t_s;
     pair.u_i_s = Measured(sightings.i) + sigma_m * random.Normal3();
     pair.u_j_s = Measured(sightings.j) + sigma_m * random.Normal3();
+    if (shared) pair.u_i_s += std::sqrt(fraction) * pair_sigma_m * shared->At(sightings.en_m);
     return pair;
   }
 

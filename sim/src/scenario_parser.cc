@@ -10,6 +10,7 @@
 
 #include "scenario_limits.h"
 #include "scenario_words.h"
+#include "vibration_section.h"
 
 namespace dn {
 namespace {
@@ -83,7 +84,7 @@ void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
 
 PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   ExpectMapOrAbsent(s, {"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
-                        "stabilised_mount", "replay", "strips"});
+                        "stabilised_mount", "vibration", "replay", "strips"});
   PlanScenario plan;
   plan.warm_up_s = ReadNotNegativeOr(s["warm_up_s"], 0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
@@ -94,6 +95,7 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   if (bank_deg > 60.0) s["bank_deg"].Fail("must be at most 60");
   plan.bank_rad = bank_deg * kRadPerDeg;
   plan.turbulence = ReadTurbulence(s["turbulence"]);
+  plan.vibration = ReadVibration(s["vibration"]);
   plan.crab_rad = ReadNumberOr(s["crab_deg"], 0.0) * kRadPerDeg;
   if (std::abs(plan.crab_rad) > 45.0 * kRadPerDeg)
     s["crab_deg"].Fail("must lie between -45 and 45");
@@ -196,11 +198,17 @@ LidarScenario ReadLidar(const YamlValue& s) {
 }
 
 PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
-  ExpectMapOrAbsent(s, {"count", "sigma_p_m"});
+  ExpectMapOrAbsent(s, {"count", "sigma_p_m", "shared_error"});
   PairScenario pairs;
   pairs.where = s.where();
   pairs.count = s["count"] ? static_cast<long>(s["count"].Integer(0)) : 3000;
   pairs.sigma_p_m = ReadPositiveOr(s["sigma_p_m"], gsd_m / 2.0 / std::sqrt(3.0));
+  const YamlValue shared = s["shared_error"];
+  if (!shared) return pairs;
+  ExpectMapOrAbsent(shared, {"fraction", "length_m"});
+  pairs.shared_fraction = ReadPositive(shared["fraction"]);
+  if (pairs.shared_fraction > 1.0) shared["fraction"].Fail("must be at most 1");
+  pairs.shared_length_m = ReadPositive(shared["length_m"]);
   return pairs;
 }
 

@@ -13,6 +13,7 @@
 #include "gnss_simulation.h"
 #include "imu_simulation.h"
 #include "pair_simulation.h"
+#include "platform_vibration.h"
 #include "replay.h"
 #include "scenario_limits.h"
 
@@ -42,6 +43,13 @@ FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t 
   Disturbance disturbance = MakeDisturbance(scenario.plan.turbulence, plan.mean_speed_mps,
                                             scenario.plan.stabilised_mount, seed);
   return {std::move(plan), scenario.start_s, std::move(disturbance)};
+}
+
+/// Returns null without vibration.
+std::shared_ptr<const PlatformVibration> MakeVibration(const PlanScenario& plan,
+                                                       std::uint64_t seed) {
+  if (plan.vibration.empty()) return nullptr;
+  return std::make_shared<const PlatformVibration>(plan.vibration, seed);
 }
 
 /// Returns the time at which the flight reaches the planned time path_s; turbulence makes it lead
@@ -169,9 +177,9 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   CheckLimits(scenario, [](const auto&, const auto&) { return FileLocation(); });
   const FlownPlan flown = Plan(scenario, out.frame, options.seed, options.replay);
   CheckSamples(scenario.imu, flown.plan.duration_s);
-  out.truth =
-      std::make_shared<TruthTrajectory>(out.frame, flown.plan.path, flown.disturbance,
-                                        flown.begin_s, flown.begin_s + flown.plan.duration_s);
+  out.truth = std::make_shared<TruthTrajectory>(
+      out.frame, flown.plan.path, flown.disturbance, flown.begin_s,
+      flown.begin_s + flown.plan.duration_s, MakeVibration(scenario.plan, options.seed));
   AddOwnErrors(options.own, out.truth, &effects);
   out.strips = Strips(scenario.plan, flown);
   if (scenario.strips) CheckPulses(scenario.lidar, Duration(out.strips));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "disturbance_table.h"
+#include "platform_vibration.h"
 
 namespace dn {
 namespace {
@@ -53,11 +54,28 @@ Vector3d RateFromAngles(const Vector3d& rph, const Vector3d& rate) {
           -rate.y() * sr + rate.z() * cp * cr};
 }
 
+/// Returns the time derivative of RateFromAngles.
+Vector3d AccelerationFromAngles(const Vector3d& rph, const Vector3d& rate, const Vector3d& accel) {
+  const double cr = std::cos(rph.x()), sr = std::sin(rph.x());
+  const double cp = std::cos(rph.y()), sp = std::sin(rph.y());
+  const double pitch_rate = rate.y() * cr + rate.z() * cp * sr;
+  const double yaw_rate = -rate.y() * sr + rate.z() * cp * cr;
+  const Vector3d turning(-rate.z() * cp * rate.y(),
+                         yaw_rate * rate.x() - rate.z() * sp * sr * rate.y(),
+                         -pitch_rate * rate.x() - rate.z() * sp * cr * rate.y());
+  return RateFromAngles(rph, accel) + turning;
+}
+
 }  // namespace
 
 TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path,
-                                 const Disturbance& disturbance, double t_begin_s, double t_end_s)
-    : frame_(std::move(frame)), path_(std::move(path)), t_begin_s_(t_begin_s), t_end_s_(t_end_s) {
+                                 const Disturbance& disturbance, double t_begin_s, double t_end_s,
+                                 std::shared_ptr<const PlatformVibration> vibration)
+    : frame_(std::move(frame)),
+      path_(std::move(path)),
+      vibration_(std::move(vibration)),
+      t_begin_s_(t_begin_s),
+      t_end_s_(t_end_s) {
   if (!(t_end_s_ > t_begin_s_)) throw InvalidInput("a trajectory must end after it begins");
   const double lead_s = disturbance.lead_s.Bound() + kEndsMargin_s;
   if (path_.t_begin_s() > -lead_s || path_.t_end_s() < t_end_s_ - t_begin_s_ + lead_s) {
@@ -65,6 +83,8 @@ TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path,
   }
   disturbance_ = std::make_shared<DisturbanceTable>(disturbance, t_end_s_ - t_begin_s_);
 }
+
+double TruthTrajectory::vibration_hz() const { return vibration_ ? vibration_->highest_hz() : 0.0; }
 
 TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
   if (!(t_s >= t_begin_s_ - kEndsMargin_s && t_s <= t_end_s_ + kEndsMargin_s)) {
@@ -82,10 +102,13 @@ TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
              air.second[1] * Vector3d::UnitZ();
   motion.rph = path.value.tail<3>() + air.value.tail<3>();
   motion.rph_rate = pace * path.first.tail<3>() + air.first.tail<3>();
+  motion.rph_accel = pace * pace * path.second.tail<3>() + air.second[0] * path.first.tail<3>() +
+                     air.second.tail<3>();
   return motion;
 }
 
 MapPose TruthTrajectory::Pose(double t_s) const {
+  if (vibration_) return State(t_s).pose;
   const Motion motion = MotionAt(t_s);
   MapPose pose;
   pose.t_s = t_s;
@@ -125,8 +148,8 @@ TruthState TruthTrajectory::StateBetween(const NormalEarth& a, const NormalEarth
 TruthState TruthTrajectory::ComputeState(const Motion& motion, double t_s, const Matrix3d& R_mn,
                                          const Vector3d& gravitation_m) const {
   const Matrix3d R_nb = BodyToNed(motion.rph);
-  const Matrix3d R_mb = R_mn * R_nb;
-  const Vector3d r_m = frame_.r0_m() + motion.p;
+  Matrix3d R_mb = R_mn * R_nb;
+  Vector3d r_m = frame_.r0_m() + motion.p;
   const Vector3d& w = frame_.w_ie_m();
 
   TruthState state;
@@ -139,10 +162,30 @@ TruthState TruthTrajectory::ComputeState(const Motion& motion, double t_s, const
       TransportRate(frame_.R_me().transpose() * R_mn, frame_.R_me().transpose() * r_m,
                     R_mn.transpose() * motion.v);
   state.w_mb_b = R_nb.transpose() * w_en_n + RateFromAngles(motion.rph, motion.rph_rate);
+  if (vibration_) {
+    Shake(motion, &state);
+    R_mb = state.pose.q_mb.toRotationMatrix();
+    r_m = frame_.r0_m() + state.pose.p_mb;
+  }
   state.w_ib_b = R_mb.transpose() * w + state.w_mb_b;
   state.f_b = R_mb.transpose() *
-              (motion.a + 2.0 * w.cross(motion.v) + w.cross(w.cross(r_m)) - gravitation_m);
+              (state.a_m + 2.0 * w.cross(state.pose.v_m) + w.cross(w.cross(r_m)) - gravitation_m);
   return state;
+}
+
+void TruthTrajectory::Shake(const Motion& motion, TruthState* state) const {
+  const PlatformVibration::Sample shake = vibration_->At(state->pose.t_s - t_begin_s_);
+  const Eigen::Quaterniond q_mb = state->pose.q_mb;
+  const Vector3d& w = state->w_mb_b;
+  // The change of the transport rate is negligible: 1e-6 rad/s^2 times the displacement.
+  const Vector3d w_rate = AccelerationFromAngles(motion.rph, motion.rph_rate, motion.rph_accel);
+  state->pose.p_mb += q_mb * shake.shift;
+  state->pose.v_m += q_mb * (w.cross(shake.shift) + shake.shift_rate);
+  state->a_m += q_mb * (w.cross(w.cross(shake.shift)) + w_rate.cross(shake.shift) +
+                        2.0 * w.cross(shake.shift_rate) + shake.shift_accel);
+  const Eigen::Quaterniond q_turn = Exp<double>(shake.turn);
+  state->pose.q_mb = (q_mb * q_turn).normalized();
+  state->w_mb_b = q_turn.conjugate() * w + RightJacobian(shake.turn) * shake.turn_rate;
 }
 
 NavPoint TruthTrajectory::Nav(double t_s) const {

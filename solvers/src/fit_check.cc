@@ -63,6 +63,11 @@ double OutlierTest::MinimalDetectableBias(double redundancy) const {
   return NonCentrality() / std::sqrt(redundancy);
 }
 
+double ChannelPValue(double redundancy, const FormMoments& moments, double energy) {
+  const FormMoments exact_mean{redundancy, moments.variance, moments.samples};
+  return TwoSided(exact_mean.UpperTail(energy), exact_mean.LowerTail(energy));
+}
+
 ChannelFit TestChannel(const LinearizedNetwork& linearized, const Eigen::VectorXd& residual,
                        const ResidualForm& form, const FormMoments& moments,
                        const Eigen::VectorXd& redundancy, const OutlierTest& test) {
@@ -78,8 +83,7 @@ ChannelFit TestChannel(const LinearizedNetwork& linearized, const Eigen::VectorX
   }
   const double energy = form.Energy(residual);
   fit.variance_ratio = energy / std::max(fit.redundancy, kLeastRedundancy);
-  const FormMoments exact_mean{fit.redundancy, moments.variance, moments.samples};
-  fit.p_value = TwoSided(exact_mean.UpperTail(energy), exact_mean.LowerTail(energy));
+  fit.p_value = ChannelPValue(fit.redundancy, moments, energy);
   fit.worst = Worst(linearized, residual, redundancy, takes_part);
   fit.minimal_detectable = MedianDetectable(form, redundancy, test);
   return fit;

@@ -98,19 +98,16 @@ void ForSampleRows(const Marginals& marginals, const Use& use) {
   }
 }
 
-std::vector<FormMoments> SampledMoments(const Marginals& marginals,
-                                        const std::vector<ResidualForm>& forms) {
-  std::vector<FewRows> of_forms(forms.begin(), forms.end());
-  std::vector<std::vector<double>> energies(forms.size());
-  ForSampleRows(marginals, [&](const Eigen::MatrixXd& R) {
-    for (std::size_t i = 0; i < forms.size(); ++i) {
-      const Eigen::VectorXd some = of_forms[i].Energies(R);
-      energies[i].insert(energies[i].end(), some.begin(), some.end());
-    }
-  });
+std::vector<FormMoments> SampledMoments(const Eigen::MatrixXd& energies) {
   std::vector<FormMoments> moments;
-  for (const std::vector<double>& sample : energies) moments.push_back(SampleMoments(sample));
+  for (const auto form : energies.rowwise()) {
+    moments.push_back(SampleMoments({form.begin(), form.end()}));
+  }
   return moments;
+}
+
+bool AreMomentsExact(const Marginals& marginals) {
+  return marginals.linearized().rows() <= kMaxRowsExactMoments;
 }
 
 }  // namespace
@@ -179,10 +176,31 @@ FormMoments SampleMoments(const std::vector<double>& energies) {
   return moments;
 }
 
+Eigen::MatrixXd SampleFormEnergies(const Marginals& marginals,
+                                   const std::vector<ResidualForm>& forms) {
+  const std::vector<FewRows> of_forms(forms.begin(), forms.end());
+  Eigen::MatrixXd energies(static_cast<Eigen::Index>(forms.size()), kSamples);
+  Eigen::Index sample = 0;
+  ForSampleRows(marginals, [&](const Eigen::MatrixXd& R) {
+    for (std::size_t i = 0; i < forms.size(); ++i) {
+      energies.row(static_cast<Eigen::Index>(i)).segment(sample, R.rows()) =
+          of_forms[i].Energies(R).transpose();
+    }
+    sample += R.rows();
+  });
+  return energies;
+}
+
 std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
                                             const std::vector<ResidualForm>& forms) {
-  return marginals.linearized().rows() <= kMaxRowsExactMoments ? ExactMoments(marginals, forms)
-                                                               : SampledMoments(marginals, forms);
+  return AreMomentsExact(marginals) ? ExactMoments(marginals, forms)
+                                    : SampledMoments(SampleFormEnergies(marginals, forms));
+}
+
+std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
+                                            const std::vector<ResidualForm>& forms,
+                                            const Eigen::MatrixXd& energies) {
+  return AreMomentsExact(marginals) ? ExactMoments(marginals, forms) : SampledMoments(energies);
 }
 
 }  // namespace dn

@@ -125,6 +125,41 @@ TEST(PlaneFlight, ResultFileHasTheKeysOfAllMethods) {
   EXPECT_LT(offset["sigma"][0].get<double>(), 0.1);
 }
 
+/// Returns the prior of the range offset alone.
+UnmodelledConfig OnlyRangeOffset(double sigma_m) {
+  UnmodelledConfig config;
+  for (const EffectSpec& effect : EffectTable()) {
+    if (!effect.fixed()) continue;
+    config.sizes.push_back({effect.id, {effect.name == "lidar_range_offset" ? sigma_m : 0.0}});
+  }
+  return config;
+}
+
+TEST(PlaneFlight, TheCovarianceContainsTheShiftByUnmodelledEffects) {
+  constexpr double kOffsetM = 0.002;
+  PlaneFlight clean, wrong;
+  wrong.flight.config.unmodelled = OnlyRangeOffset(kOffsetM);
+  const PlaneCalibration exact = CalibratePlanes(clean.flight, clean.Planes(40, 0.6));
+  PlaneCalibration result = CalibratePlanes(wrong.flight, wrong.Planes(40, 0.6, false, kOffsetM));
+  const Vector3d shift = result.boresight.angles_rad - exact.boresight.angles_rad;
+  const ModelCheck check = AssessModel(wrong.flight, &result);
+  ASSERT_TRUE(check.unmodelled && result.boresight.as_modelled);
+  const Eigen::Matrix3d added =
+      result.boresight.covariance_rad2 - result.boresight.as_modelled->covariance_rad2;
+  EXPECT_LT((added - shift * shift.transpose()).norm(), 0.1 * shift.squaredNorm());
+  EXPECT_LT((result.boresight.angles_rad - result.boresight.as_modelled->angles_rad).norm(), 1e-14);
+  ASSERT_EQ(check.unmodelled->contributions.size(), 1u);
+  EXPECT_EQ(check.unmodelled->contributions.front().effect, "lidar_range_offset");
+}
+
+TEST(PlaneFlight, AnEstimatedRangeOffsetIsNotUnmodelled) {
+  PlaneFlight test;
+  test.flight.config.unmodelled = OnlyRangeOffset(0.05);
+  test.flight.config.estimate.push_back({.unknown = "lidar_range_offset", .sigma = {0.5}});
+  PlaneCalibration result = CalibratePlanes(test.flight, test.Planes(40, 0.6));
+  EXPECT_FALSE(AssessModel(test.flight, &result).unmodelled);
+}
+
 TEST(PlaneFlight, TooFewPlanesAreAFindingWithTheirNumber) {
   PlaneFlight test;
   try {

@@ -209,7 +209,7 @@ TEST(CliGeoref, OneBadStripLeavesNoResult) {
   std::string laz = flight.Read("strips/2.las");
   laz[104] = static_cast<char>(0x81);
   flight.Write("strips/3.laz", laz);
-  ExpectFailure(flight.Run("georef"), 1, "compressed (LAZ)");
+  ExpectFailure(flight.Run("georef"), 1, "the record that says how is missing");
   EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
 }
 
@@ -217,6 +217,23 @@ TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {
   const FlightWithStrips flight;
   flight.Replace("flight.yaml", "strips_crs: \"map\"", "strips_crs: none");
   ExpectFailure(flight.Run("georef"), 2, "strips_crs is 'none'");
+}
+
+TEST(CliGeoref, TheAdjustedTrajectoryBesideAResultIsUsed) {
+  const FlightWithStrips flight;
+  const fs::path result = flight.path().parent_path() / "result";
+  fs::create_directory(result);
+  fs::copy_file(flight.path() / "trajectory.out", result / "trajectory.out");
+  const auto trajectory = [&](const std::string& method) {
+    Json json = Json::parse(FileContent(CalibrateResult() / "result.json"));
+    json["method"] = method;
+    flight.Write("../result/result.json", json.dump());
+    const ProgramRun run = flight.Run("georef", {"--result", (result / "result.json").string()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return Json::parse(FileContent(flight.out() / "georef.json"))["trajectory"].get<std::string>();
+  };
+  EXPECT_EQ(trajectory("dn"), (result / "trajectory.out").string());
+  EXPECT_THAT(trajectory("gh"), Not(HasSubstr("result")));
 }
 
 }  // namespace dn::testing::apps_test

@@ -129,12 +129,44 @@ TEST_F(MatchingManyRuns, AllMethodsRunFromStripsAlone) {
   const Json comparison = Read("all/comparison.json");
   EXPECT_TRUE(fs::exists(In("all/result_dn.json")));
   EXPECT_TRUE(fs::exists(In("all/result_gh.json")));
+  EXPECT_EQ(FileContent(In("all/result.json")), FileContent(In("all/result_dn.json")));
+  EXPECT_THAT(run.out, HasSubstr("use the angles of dn"));
   EXPECT_TRUE(fs::exists(In("all/match.json")));
   EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
   ExpectPageMatchesFiles(In("all"), 200);
   EXPECT_THAT(FileContent(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
   // The GNSS screening runs once without pairs, for matching and planes, and once with them.
   EXPECT_EQ(CountPairs("dn calibrate: GNSS screening", run.err), 2) << run.err;
+}
+
+/// Returns the mean distance between the pairs of a result's points.
+double MeanShift(const Json& georef) {
+  double sum = 0.0;
+  for (const Json& strip : georef["strips"]) sum += strip["shift_rms_m"].get<double>();
+  return sum / static_cast<double>(georef["strips"].size());
+}
+
+TEST_F(MatchingManyRuns, OneCommandLeadsFromStripsToCorrectedStrips) {
+  const ProgramRun run = RunProgram({"calibrate", In("flight"), "--georef", "--out", In("clouds")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json one = Read("clouds/georef.json");
+  EXPECT_EQ(one["trajectory"], In("clouds/trajectory.out"));
+  EXPECT_GT(MeanShift(one), 0.0);
+  // The same in two commands, with the adjusted trajectory found beside the result.
+  const ProgramRun second = RunProgram(
+      {"georef", In("flight"), "--result", In("clouds/result.json"), "--out", In("clouds_2")});
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  const Json two = Read("clouds_2/georef.json");
+  EXPECT_EQ(two["trajectory"], In("clouds/trajectory.out"));
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(two["boresight_deg"][k].get<double>(), one["boresight_deg"][k].get<double>(),
+                1e-12);
+  }
+  ASSERT_EQ(two["strips"].size(), one["strips"].size());
+  for (std::size_t k = 0; k < one["strips"].size(); ++k) {
+    EXPECT_NEAR(two["strips"][k]["shift_rms_m"].get<double>(),
+                one["strips"][k]["shift_rms_m"].get<double>(), 1e-6);
+  }
 }
 
 TEST_F(Matching, PlanesAreFoundFromFarOff) {

@@ -89,6 +89,15 @@ TEST(AverageBoresight, OfADiscrepancyUsesItsShift) {
   EXPECT_NEAR(mean.sigma_rad().x(), kMicro * 3.0, kTolerance);
 }
 
+// The square of the shift is 1e18 times the variance.
+TEST(AverageBoresight, OfALargeShiftKeepsItsSigma) {
+  const BoresightEstimate base = At(0.0, 1.0);
+  const BoresightEstimate mean = AverageBoresight(
+      base, {},
+      MakeCompetingHypotheses("", {Moving("a", 500.0, At(1e5, 1e-4), base)}, kOnlyTheLibrary));
+  EXPECT_NEAR(mean.sigma_rad().x(), kMicro * 1e-4, kMicro * 1e-9);
+}
+
 TEST(Moments, AverageOverSizes) {
   // One component with so much information that the prior of its size does not count.
   const SizeAveragedEvidence sharp(Eigen::MatrixXd::Constant(1, 1, 1e8),

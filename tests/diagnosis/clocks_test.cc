@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "testing/short_flights.h"
+#include "testing/strip_pairs.h"
 #include "testing/tolerances.h"
 
 namespace dn::diagnosis_test {
@@ -169,7 +170,17 @@ TEST_P(CorrelatedPositionErrors, AreNotAClockStepAndCostNoEpochs) {
   EXPECT_LE(c.adjustment.gnss_rejected.size(), 3U);
   EXPECT_FALSE(c.adjustment.gnss_clock);
   EXPECT_TRUE(c.adjustment.gnss_correlation.significant());
-  EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kContradicted);
+}
+
+TEST_P(CorrelatedPositionErrors, ContradictOnlyThePureModelIfTheyAreSlow) {
+  const BoresightResult automatic = Solution(sim_.flight).CheckedBoresight();
+  // The process that is estimated by default has periods of at least 30 s.
+  const bool slow = GetParam() > 30.0;
+  EXPECT_EQ(automatic.verdict, slow ? Verdict::kCalibrated : Verdict::kContradicted);
+  const Eigen::Vector3d e = testing::BoresightError(automatic.angles_rad, sim_.boresight_rad);
+  EXPECT_LT(e.cwiseQuotient(automatic.sigma_rad()).cwiseAbs().maxCoeff(), kSigmas);
+  sim_.flight.config.unmodelled.none = true;
+  EXPECT_EQ(Solution(sim_.flight).CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
 TEST_P(CorrelatedPositionErrors, AreScreenedWithTheirProcess) {

@@ -1,12 +1,12 @@
 #include <dn/adjustment/words.h>
 #include <dn/diagnosis/solution.h>
+#include <dn/sim/draw_effects.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <cstddef>
 
-#include "draw_unmodelled.h"
 #include "testing/short_flights.h"
 
 namespace dn::diagnosis_test {
@@ -39,7 +39,9 @@ Series FlyMany(Scenario (*make)(const std::string&), SensorClass of, int flights
   Series series;
   for (int k = 0; k < flights; ++k) {
     const auto seed = static_cast<unsigned>(100 + k);
-    series.Add(make(DrawUnmodelled(UnmodelledPrior(of), seed)), seed);
+    Scenario scenario = make("");
+    scenario.effects = DrawEffects(UnmodelledPrior(of), 1.0, seed);
+    series.Add(scenario, seed);
   }
   return series;
 }

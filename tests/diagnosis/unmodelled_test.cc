@@ -2,17 +2,20 @@
 
 #include <dn/diagnosis/solution.h>
 #include <dn/files/unmodelled.h>
+#include <dn/sim/draw_effects.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <string>
+#include <vector>
 
-#include "draw_unmodelled.h"
 #include "testing/short_flights.h"
 
 namespace dn::diagnosis_test {
 
+using diagnosis_internal::CellRange;
+using diagnosis_internal::Hypothesis;
 using diagnosis_internal::Library;
 using diagnosis_internal::MakeHypothesis;
 using diagnosis_internal::UnmodelledUnknowns;
@@ -115,6 +118,18 @@ TEST(UnmodelledUnknowns, AComponentThatIsRuledOutChangesNothing) {
   EXPECT_EQ(none.Conditioned().A, toy.score.A);
 }
 
+TEST(UnmodelledUnknowns, HaveNoStartsOfAStep) {
+  UnmodelledPrior prior;
+  prior.Set(EffectId::kLidarLeverArm, Eigen::Vector3d::Constant(0.01));
+  Toy toy(prior);
+  Hypothesis step = MakeHypothesis(EffectId::kBoresightStep, 0);
+  step.cells = CellRange{0, 1};
+  toy.library.hypotheses.push_back(step);
+  prior.Set(EffectId::kBoresightStep, Eigen::Vector3d::Constant(1e-5));
+  EXPECT_EQ(UnmodelledUnknowns(toy.library, prior, toy.score).components(),
+            (std::vector<Index>{0, 1, 2}));
+}
+
 TEST(UnmodelledUnknowns, ContributionsAreWhatKnowledgeOfAnEffectWouldSave) {
   const UnmodelledPrior prior(SensorClass::kTactical);
   const Toy toy(prior);
@@ -148,14 +163,76 @@ std::vector<EstimateEntry> EstimateAll(const UnmodelledPrior& prior) {
 
 TEST(Unmodelled, OneInverseGivesWhatAnAdjustmentWithAllEffectsGives) {
   const UnmodelledPrior prior(SensorClass::kNavigation);
-  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(DrawUnmodelled(prior, 3)), 3);
-  const BoresightResult linear = Solution(sim.flight).CheckedBoresight();
+  Scenario scenario = testing::AircraftScenario();
+  scenario.effects = DrawEffects(prior, 1.0, 3);
+  SimulatedFlight sim = testing::Fly(scenario, 3);
+  sim.flight.config.gnss->automatic_process = false;
+  const Solution solution(sim.flight);
+  const BoresightResult linear = solution.CheckedBoresight();
+  const Eigen::Matrix3d effects =
+      linear.covariance_rad2 - solution.model_check().unmodelled->noise_covariance_rad2;
   sim.flight.config.unmodelled.none = true;
   sim.flight.config.estimate = EstimateAll(prior);
   const BoresightResult refit = Solution(sim.flight).Boresight();
   const Eigen::Vector3d sigma = refit.sigma_rad();
   EXPECT_LT((linear.angles_rad - refit.angles_rad).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 0.1);
-  EXPECT_LT((linear.sigma_rad().cwiseQuotient(sigma).array() - 1.0).abs().maxCoeff(), 0.01);
+  const Eigen::Vector3d ratio = effects.diagonal().cwiseSqrt().cwiseQuotient(sigma);
+  EXPECT_LT((ratio.array() - 1.0).abs().maxCoeff(), 0.01);
+}
+
+const std::string kWanderingGnss =
+    "effects: [{effect: gnss_correlated_noise, value: [0.03, 0.03, 0.06, 60]}]\n";
+
+/// Returns the contribution of the process of GNSS positions; null without it.
+const EffectContribution* FindProcess(const BoresightResult& boresight) {
+  for (const EffectContribution& part : boresight.contributions) {
+    if (part.effect == "gnss_correlated_noise") return &part;
+  }
+  return nullptr;
+}
+
+// States of the network with the true size and time constant give nearly what the data give.
+TEST(AutomaticGnssProcess, EqualsAStatedProcessIfTheDataShowItsSize) {
+  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(kWanderingGnss), 3);
+  const BoresightResult automatic = Solution(sim.flight).CheckedBoresight();
+  ASSERT_NE(FindProcess(automatic), nullptr);
+  EXPECT_NEAR(FindProcess(automatic)->estimate[0], 0.03, 0.012);
+  sim.flight.config.gnss->processes = {{{0.03, 0.03, 0.06}, 60.0}};
+  const BoresightResult stated = Solution(sim.flight).CheckedBoresight();
+  EXPECT_EQ(FindProcess(stated), nullptr);
+  const Eigen::Vector3d sigma = stated.sigma_rad();
+  EXPECT_LT((automatic.angles_rad - stated.angles_rad).cwiseQuotient(sigma).cwiseAbs().maxCoeff(),
+            0.4);
+  EXPECT_LT((automatic.sigma_rad().cwiseQuotient(sigma).array() - 1.0).abs().maxCoeff(), 0.2);
+}
+
+TEST(AutomaticGnssProcess, IsInTheTrajectoryAndInThePlan) {
+  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(kWanderingGnss), 3);
+  const Solution with(sim.flight);
+  const std::vector<TrajectorySigma> sigma = with.CheckedSigmas();
+  const BoresightResult planned = with.PredictedBoresight();
+  ASSERT_NE(FindProcess(planned), nullptr);
+  const double usual_m = FindProcess(planned)->prior[0];
+  EXPECT_NEAR(FindProcess(planned)->estimate[0], usual_m, 0.01 * usual_m);
+  sim.flight.config.gnss->automatic_process = false;
+  const Solution without(sim.flight);
+  EXPECT_EQ(FindProcess(without.PredictedBoresight()), nullptr);
+  EXPECT_TRUE(
+      (planned.sigma_rad().array() > without.PredictedBoresight().sigma_rad().array()).all());
+  // The mean of an error of 3 cm over the flight cannot be known to less than 1 cm.
+  const std::size_t middle = sigma.size() / 2;
+  EXPECT_GT(sigma[middle].position_enu_m.x(), 0.01);
+  EXPECT_LT(without.CheckedSigmas()[middle].position_enu_m.x(), 0.01);
+}
+
+TEST(AutomaticGnssProcess, ThePureModelIsWithoutIt) {
+  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(kWanderingGnss), 3);
+  sim.flight.config.unmodelled.none = true;
+  const BoresightResult automatic = Solution(sim.flight).CheckedBoresight();
+  sim.flight.config.gnss->automatic_process = false;
+  const BoresightResult none = Solution(sim.flight).CheckedBoresight();
+  EXPECT_EQ(automatic.angles_rad, none.angles_rad);
+  EXPECT_EQ(automatic.covariance_rad2, none.covariance_rad2);
 }
 
 TEST(Unmodelled, ThePureModelIsBeside) {
@@ -193,11 +270,14 @@ TEST(Unmodelled, ATolerancePassesAndAFaultContradicts) {
 }
 
 TEST(Unmodelled, ADesignPredictsTheSigmaOfItsFlight) {
-  const SimulatedFlight sim = testing::Fly(testing::AircraftScenario(), 3);
+  SimulatedFlight sim = testing::Fly(testing::AircraftScenario(), 3);
+  sim.flight.config.gnss->automatic_process = false;  // its size follows from the data
   const Solution solution(sim.flight);
-  const Eigen::Vector3d ratio = solution.PredictedBoresight().sigma_rad().cwiseQuotient(
-      solution.CheckedBoresight().sigma_rad());
-  EXPECT_LT((ratio.array() - 1.0).abs().maxCoeff(), 1e-9);
+  const Eigen::Matrix3d predicted = solution.PredictedBoresight().covariance_rad2;
+  const Eigen::Matrix3d noise = solution.model_check().unmodelled->noise_covariance_rad2;
+  const Eigen::Matrix3d adjusted = solution.CheckedBoresight().covariance_rad2 - noise;
+  EXPECT_LT((predicted - adjusted).norm(), 1e-9 * adjusted.norm());
+  EXPECT_LT(noise.diagonal().cwiseQuotient(adjusted.diagonal()).maxCoeff(), 0.1);
 }
 
 TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {

@@ -110,7 +110,9 @@ TEST(FlightConfigErrors, GnssProcesses) {
             "gnss.processes[0].type: 'random_walk' is not one of gauss_markov", 2);
   ExpectBad(begin + "sigma_enu_m: [1, 1, 1], tau_s: 1, grows_with: bang}\n", "did you mean 'bank'?",
             3);
-  ExpectBad("gnss: {processes: 3}\n", "gnss.processes: expected a list", 1);
+  ExpectBad("gnss: {processes: 3}\n", "gnss.processes: expected auto, or a list of processes", 1);
+  ExpectBad("gnss: {processes: none}\n", "gnss.processes: expected auto, or a list", 1);
+  ExpectBad("gnss: {processes: {tau_s: 1}}\n", "gnss.processes: expected a list", 1);
 }
 
 TEST(FlightConfigErrors, Strips) {

@@ -126,6 +126,7 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
     EXPECT_EQ(a.gnss->sigma_scale, b.gnss->sigma_scale);
     EXPECT_EQ(a.gnss->use_velocity, b.gnss->use_velocity);
     EXPECT_EQ(a.gnss->processes, b.gnss->processes);
+    EXPECT_EQ(a.gnss->automatic_process, b.gnss->automatic_process);
     EXPECT_EQ(a.gnss->robust, b.gnss->robust);
   }
 }
@@ -277,6 +278,8 @@ TEST(FlightConfig, ReadsBackWhatItFormats) {
   ExpectRoundTrip(Parse("{}"));
   ExpectRoundTrip(Parse("{imu: {grade: ln200}, gnss: {}, lidar: {gsd_m: 0.3}, trajectory: {}}"));
   ExpectRoundTrip(Parse("unmodelled: none"));
+  ExpectRoundTrip(Parse("gnss: {processes: auto}"));
+  ExpectRoundTrip(Parse("gnss: {processes: []}"));
   ExpectRoundTrip(Parse("{estimate: []}"));
   ExpectRoundTrip(Parse("{unexplained: 'all of a gap (p < 1e-12), most in \"GNSS\": east'}"));
   ExpectRoundTrip(ParseFlightConfig("name: x", "/f"));
@@ -434,6 +437,21 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
   ExpectSameSensors(shown, plain);
   ExpectSameLidar(*shown.lidar, *plain.lidar);
   ExpectSameRest(shown, plain);
+}
+
+TEST(FlightConfig, GnssProcessesAreAutomaticAListOrNone) {
+  for (const char* text : {"gnss: {}", "gnss: {processes: auto}", "gnss: {processes: ~}"}) {
+    const FlightConfig config = Parse(text);
+    EXPECT_TRUE(config.gnss->automatic_process && HasAutomaticGnssProcess(config)) << text;
+    EXPECT_TRUE(config.gnss->processes.empty()) << text;
+    EXPECT_THAT(FormatFlightConfig(config), HasSubstr("  processes: auto\n")) << text;
+  }
+  EXPECT_FALSE(HasAutomaticGnssProcess(Parse("gnss: {processes: []}")));
+  EXPECT_THAT(FormatFlightConfig(Parse("gnss: {processes: []}")), HasSubstr("  processes: []\n"));
+  EXPECT_FALSE(HasAutomaticGnssProcess(
+      Parse("gnss: {processes: [{type: gauss_markov, sigma_enu_m: [1, 1, 1], tau_s: 9}]}")));
+  EXPECT_FALSE(HasAutomaticGnssProcess(Parse("{gnss: {}, unmodelled: none}")));
+  EXPECT_FALSE(HasAutomaticGnssProcess(Parse("{}")));
 }
 
 TEST(FlightConfig, UnmodelledEffectsHaveThePriorOfTheSensorAndWhatTheFileStates) {

@@ -156,6 +156,22 @@ TEST_F(GeoreferenceStrip, NothingNewLeavesTheFileAsItWas) {
   EXPECT_EQ(ReadWholeFile(Out("strip.las")), ReadWholeFile(folder_.path() / "strip.las"));
 }
 
+TEST_F(GeoreferenceStrip, ACompressedStripStaysCompressed) {
+  constexpr std::size_t kFormatAt = 104;
+  const PointCrs crs("utm:32n", survey_.motion.frame);
+  folder_.Write("strip.las", Las(survey_, crs, Epochs(40)));
+  const auto plain = OpenStrip(folder_.path() / "strip.las");
+  const auto writer = plain->MakeWriter(folder_.path() / "strip.laz", {});
+  for (StripCloud points; plain->Next(&points);) writer->Append(points);
+  writer->Finish();
+  GeoreferenceOptions options = survey_.Options();
+  options.mounting.boresight_rad = Vector3d(-0.1, 0.2, 0.5) * kRadPerDeg;
+  EXPECT_GT(Run(options, "utm:32n", "strip.las").shift_rms_m, 1.0);
+  Run(options, "utm:32n", "strip.laz");
+  EXPECT_EQ(ReadAll(Out("strip.laz")).records, ReadAll(Out("strip.las")).records);
+  EXPECT_EQ(ReadWholeFile(Out("strip.laz"))[kFormatAt], static_cast<char>(0x80 | 6));
+}
+
 TEST_F(GeoreferenceStrip, TextHasItsOwnVectors) {
   const std::vector<double> epochs_s = Epochs(20);
   folder_.Write("strip.txt", Text(epochs_s));

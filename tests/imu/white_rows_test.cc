@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "white_imu.h"
 
@@ -21,6 +22,32 @@ TEST(WhiteNoiseDensities, FindsTheDensityDuringMotion) {
   ExpectDensity(imu);
   for (ImuSample& sample : imu.samples) sample.w_ib_b_radps.x() += 0.1 * std::sin(sample.t_s);
   ExpectDensity(imu);
+}
+
+/// Adds an engine with harmonics from `begin_s` on, a hundred times the noise.
+void StartEngine(double begin_s, ImuData* imu) {
+  for (ImuSample& sample : imu->samples) {
+    if (sample.t_s < imu->samples.front().t_s + begin_s) continue;
+    for (const double hz : {13.1, 26.2, 39.3}) {
+      const double wave = std::sin(2.0 * std::numbers::pi * hz * sample.t_s);
+      sample.w_ib_b_radps += 0.1 * wave * Eigen::Vector3d::Ones();
+      sample.f_b_mps2 += 1.0 * wave * Eigen::Vector3d::Ones();
+    }
+  }
+}
+
+TEST(WhiteNoiseDensities, AreThoseBeforeTheEngineStarts) {
+  ImuData imu = testing::WhiteImu(101, 600.0);
+  StartEngine(100.0, &imu);
+  ExpectDensity(imu);
+  EXPECT_FALSE(EstimateWhiteNoise(imu).shaking);
+}
+
+TEST(WhiteNoiseDensities, LieBetweenTheLinesOfAnEngineThatNeverStops) {
+  ImuData imu = testing::WhiteImu(102, 600.0);
+  StartEngine(0.0, &imu);
+  ExpectDensity(imu);
+  EXPECT_TRUE(EstimateWhiteNoise(imu).shaking);
 }
 
 // The logger writes each row of its sensor three times.

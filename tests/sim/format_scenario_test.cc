@@ -50,6 +50,11 @@ plan:
   turbulence: {roll_deg: 0.9, pitch_deg: 0.6, heading_deg: 0.5, speed_m_s: 0.8, height_m: 1.9}
   crab_deg: 2.7
   stabilised_mount: true
+  vibration:
+    lines: [{frequency_hz: 7.3, accel_m_s2: [0.11, 0.2, 0.3], angle_urad: 3.7, harmonics: 2,
+             wander_percent: 0.7}]
+    resonances: [{frequency_hz: 4.1, damping: 0.07, accel_m_s2: 0.13, angle_urad: [1.1, 2.3, 0]}]
+    broadband: [{low_hz: 1.7, high_hz: 9.1, accel_m_s2: 0.17, angle_urad: 0.9}]
 terrain: {kind: mixed, base_m: -11, relief_m: 31, wavelength_m: 510, buildings_per_km2: 310,
           trees_per_km2: 210, roughness_m: 0.07, water_share: 0.03, seed: 5}
 imu:
@@ -64,7 +69,8 @@ lidar: {R_sensor_to_body: [[0,1,0],[0,0,1],[1,0,0]], scan_axis: [0,1,0], nadir_a
         lever_arm_m: [0.14, -0.02, 0.21], boresight_deg: [0.8, -0.5, 1.2], fov_deg: 61,
         pattern: cone, gsd_m: 0.17, pulse_rate_hz: 77777, beam_divergence_mrad: 0.31,
         sigma_range_m: 0.013}
-pairs: {count: 97, sigma_p_m: 0.051}
+pairs: {count: 97, sigma_p_m: 0.051,
+        shared_error: {fraction: 0.2, length_m: 45}}
 strips: true
 effects:
   - {effect: gnss_lever_arm, value: [0.1, 0, -0.03]}

@@ -67,6 +67,49 @@ TEST(SimulatedPairs, BothEndsAreOneGroundPointInTheScanPlane) {
   EXPECT_EQ(per_file.size(), files.size());
 }
 
+/// Returns sum(x y) over sum(x^2) of the noise of pairs, for neighbours in time of one file.
+double NeighbourCorrelation(const Scenario& scenario) {
+  const PairData noisy = *Simulate(scenario, {.seed = 5}).flight.pairs;
+  const PairData exact = *Simulate(scenario, {.seed = 5, .noise = false}).flight.pairs;
+  double product = 0.0, square = 0.0;
+  for (std::size_t k = 1; k < noisy.pairs.size(); ++k) {
+    const auto error = [&](std::size_t at) {
+      return Vector3d(noisy.pairs[at].u_i_s - exact.pairs[at].u_i_s);
+    };
+    if (noisy.pairs[k].file != noisy.pairs[k - 1].file) continue;
+    product += error(k).dot(error(k - 1));
+    square += error(k).squaredNorm();
+  }
+  return product / square;
+}
+
+TEST(SimulatedPairs, NeighboursShareAPartOfTheirError) {
+  Scenario scenario = testing::SmallScenario();
+  scenario.pairs.count = 2000;
+  EXPECT_NEAR(NeighbourCorrelation(scenario), 0.0, 0.05);
+  scenario.pairs.shared_fraction = 0.5;
+  scenario.pairs.shared_length_m = 1e5;
+  // Over the whole flight, an end has half of its own quarter and the whole shared half.
+  EXPECT_NEAR(NeighbourCorrelation(scenario), 2.0 / 3.0, 0.25);
+}
+
+TEST(SimulatedPairs, ASharedErrorKeepsTheVarianceOfThePairs) {
+  Scenario scenario = testing::SmallScenario();
+  scenario.pairs.count = 4000;
+  scenario.pairs.shared_fraction = 0.5;
+  scenario.pairs.shared_length_m = 5.0;
+  const SimulatedFlight noisy = Simulate(scenario, {.seed = 6});
+  const SimulatedFlight exact = Simulate(scenario, {.seed = 6, .noise = false});
+  const auto& a = noisy.flight.pairs->pairs;
+  const auto& b = exact.flight.pairs->pairs;
+  double square = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    square += (a[k].u_i_s - b[k].u_i_s).squaredNorm() + (a[k].u_j_s - b[k].u_j_s).squaredNorm();
+  }
+  const double variance = square / (3.0 * static_cast<double>(a.size()));
+  EXPECT_NEAR(variance / std::pow(scenario.pairs.sigma_p_m, 2), 1.0, 0.1);
+}
+
 TEST(SimulatedPairs, AreNotOnWater) {
   Scenario scenario = testing::SmallScenario();
   scenario.terrain.water_share = 0.4;

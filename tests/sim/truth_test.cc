@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/rates_are_derivatives.h"
 #include "sim/small_scenario.h"
 
 namespace dn::sim_test {
@@ -21,29 +22,9 @@ SimulatedFlight FlyWithoutPairs(Scenario scenario) {
 
 TEST(TruthTrajectory, RatesAreDerivativesOfThePose) {
   const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
-  constexpr double kStep_s = 1.0 / 64.0;  // a power of two: times are exact
   // Errors of fourth-order differences for motion up to 1 Hz at this step, with margin.
-  constexpr double kVelocity_mps = 1e-5;
-  constexpr double kAcceleration_mps2 = 1e-4;
-  constexpr double kRate_radps = 1e-6;
-  const TruthTrajectory& truth = *flight.truth;
-  const auto difference = [](auto at, double t_s) -> Vector3d {
-    return (8.0 * (at(t_s + kStep_s) - at(t_s - kStep_s)) -
-            (at(t_s + 2.0 * kStep_s) - at(t_s - 2.0 * kStep_s))) /
-           (12.0 * kStep_s);
-  };
-  for (double t_s = truth.t_begin_s() + 1.0; t_s < truth.t_end_s() - 1.0; t_s += 1.25) {
-    SCOPED_TRACE(t_s);
-    const TruthState state = truth.State(t_s);
-    const Vector3d v = difference([&](double t) { return truth.Pose(t).p_mb; }, t_s);
-    const Vector3d a = difference([&](double t) { return truth.Pose(t).v_m; }, t_s);
-    const Vector3d w = difference(
-        [&](double t) { return Log<double>(state.pose.q_mb.conjugate() * truth.Pose(t).q_mb); },
-        t_s);
-    EXPECT_LT((v - state.pose.v_m).norm(), kVelocity_mps);
-    EXPECT_LT((a - state.a_m).norm(), kAcceleration_mps2);
-    EXPECT_LT((w - state.w_mb_b).norm(), kRate_radps);
-  }
+  ExpectRatesAreDerivatives(*flight.truth, 1.0 / 64.0,
+                            {.velocity_mps = 1e-5, .acceleration_mps2 = 1e-4, .rate_radps = 1e-6});
 }
 
 /// Strapdown navigation in the inertial frame that coincides with m at t0, by the classical

@@ -187,11 +187,14 @@ void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
 
 std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder) {
   std::vector<Calibrated> found;
-  for (const char* suffix : {"", "_dn", "_gh", "_planes"}) {
+  const auto read = [&](const char* suffix) {
     const std::string file = std::string("result") + suffix + ".json";
     Facts result = folder.Read(file);
     if (result["boresight"]) found.push_back({suffix, std::move(result)});
-  }
+  };
+  for (const char* suffix : {"_dn", "_gh", "_planes"}) read(suffix);
+  // With several methods, result.json repeats one of them.
+  if (found.empty()) read("");
   return found;
 }
 

@@ -8,6 +8,7 @@
 #include <dn/navigation/gnss_steps.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +72,7 @@ void CountRejected(AdjustmentRun& run) {
                               std::to_string(rejected.size()) + " of " + std::to_string(all) +
                               " GNSS epochs (" +
                               RejectedCountsText(CountLeftOutGnss(run.network())) +
-                              "), first at t = " + FormatDouble(first.t_s) + " s: ",
+                              "), first at t = " + fmt::format("{:.3f}", first.t_s) + " s: ",
                           "a clock that steps, a changed reference, wrong time tags or wrong "
                           "axes; correct the data, or limit time_span_s to the good part",
                           {run.flight().config.gnss->file, first.line});
@@ -198,7 +199,7 @@ class EpochScreener {
     }
     const MapGnssEpoch& epoch =
         run_.flight().gnss->epochs[run_.network().gnss().edges()[misfit.first].epoch];
-    throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
+    throw InvalidInput("a clock steps: from about t = " + fmt::format("{:.3f}", epoch.t_s) +
                            " s on, the GNSS time tags are " +
                            FormatDouble(std::round(std::abs(misfit.estimate[0]) * 1e4) / 1e4) +
                            (misfit.estimate[0] < 0.0 ? " s early" : " s late") +

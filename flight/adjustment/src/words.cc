@@ -2,6 +2,7 @@
 #include <dn/axis_names.h>
 #include <dn/geo/text_table.h>
 #include <dn/gnss/gnss_process.h>
+#include <dn/report/value_words.h>
 #include <dn/rotation.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,17 +17,10 @@ std::string P(double p_value) {
   return p_value < 1e-12 ? "p < 1e-12" : fmt::format("p = {:.1g}", p_value);
 }
 
-/// Formats a value with its sigma, rounded to the second digit of the sigma.
-std::string WithSigma(double value, double sigma) {
-  const double last = std::pow(10.0, std::floor(std::log10(sigma)) - 1.0);
-  const bool round = std::isfinite(last) && last > 0.0;
-  return fmt::format("{:.10g} +- {:.2g}", round ? last * std::round(value / last) : value, sigma);
-}
-
 std::string Values(const EffectCheck& effect) {
   std::string text;
   for (Eigen::Index i = 0; i < effect.estimate.size(); ++i) {
-    text += (i > 0 ? ", " : "") + WithSigma(effect.estimate[i], effect.sigma[i]);
+    text += (i > 0 ? ", " : "") + FormatWithSigma(effect.estimate[i], effect.sigma[i]);
   }
   return text + " " + effect.unit;
 }
@@ -121,9 +115,9 @@ std::string Say(const facts::ErrorsShared& fact) {
   const CommonErrorCheck& common = fact.common;
   return fmt::format(
       "the residuals of {} have common errors of about {:.2g} of their sigmas, which the model "
-      "assumes to be independent ({}); they may move the result by {:.1f} sigma: {}",
+      "assumes to be independent ({}); they may move the result by {:.1f} sigma{}: {}",
       common.name, common.sigma, P(common.p_value), common.max_shift_sigmas,
-      SharedErrorCause(common));
+      common.covered ? ", which the reported sigmas contain" : "", SharedErrorCause(common));
 }
 
 std::string Say(const facts::PriorContradicted& fact) {
@@ -208,13 +202,13 @@ std::string Say(const facts::GnssTimeOff& fact) {
   std::vector<std::string> off, names;
   if (late) {
     off.push_back(fmt::format("are {} s {}",
-                              WithSigma(std::abs(clock.offset_s), clock.sigma_offset_s),
+                              FormatWithSigma(std::abs(clock.offset_s), clock.sigma_offset_s),
                               clock.offset_s > 0.0 ? "late" : "early"));
     names.push_back(EffectName(EffectId::kGnssTimeOffset));
   }
   if (drifts) {
-    off.push_back(
-        fmt::format("drift by {} ppm", WithSigma(clock.drift * 1e6, clock.sigma_drift * 1e6)));
+    off.push_back(fmt::format("drift by {} ppm",
+                              FormatWithSigma(clock.drift * 1e6, clock.sigma_drift * 1e6)));
     names.push_back(EffectName(EffectId::kGnssTimeDrift));
   }
   return fmt::format(

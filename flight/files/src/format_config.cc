@@ -110,10 +110,12 @@ void WriteImu(const ImuConfig& imu, Writer& out) {
   WriteVibration(imu.model.vibration, out);
 }
 
-void WriteGnssProcesses(const std::vector<GnssProcess>& processes, Writer& out) {
-  if (processes.empty()) return out.Key(1, "processes", "[]");
+void WriteGnssProcesses(const GnssConfig& gnss, Writer& out) {
+  if (gnss.processes.empty()) {
+    return out.Key(1, "processes", gnss.automatic_process ? "auto" : "[]");
+  }
   out.Line(1, "processes:");
-  for (const GnssProcess& process : processes) out.Line(2, "- " + FormatGnssProcess(process));
+  for (const GnssProcess& process : gnss.processes) out.Line(2, "- " + FormatGnssProcess(process));
 }
 
 void WriteGnss(const GnssConfig& gnss, Writer& out) {
@@ -127,7 +129,7 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
   out.Key(1, "sigma_scale", Number(gnss.sigma_scale));
   out.Key(1, "use_velocity", gnss.use_velocity ? Boolean(*gnss.use_velocity) : "auto");
-  WriteGnssProcesses(gnss.processes, out);
+  WriteGnssProcesses(gnss, out);
   out.Key(1, "robust", FindWord(gnss.robust, files_internal::RobustWords()));
 }
 

@@ -23,6 +23,14 @@ GnssProcess ReadGnssProcess(const YamlValue& item) {
   return process;
 }
 
+/// Returns whether `processes` is absent or auto. A list, also an empty one, is not.
+bool IsAutomatic(const YamlValue& processes) {
+  if (!processes) return true;
+  if (!processes.IsScalar()) return false;
+  if (processes.Text() != "auto") processes.Fail("expected auto, or a list of processes");
+  return true;
+}
+
 }  // namespace
 
 std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section) {
@@ -70,7 +78,8 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
         {"auto", std::nullopt}, {"true", true}, {"false", false}};
     gnss.use_velocity = section["use_velocity"].Choice(words);
   }
-  gnss.processes = ReadGnssProcesses(section);
+  gnss.automatic_process = IsAutomatic(section["processes"]);
+  if (!gnss.automatic_process) gnss.processes = ReadGnssProcesses(section);
   if (section["robust"]) gnss.robust = section["robust"].Choice(RobustWords());
   return gnss;
 }

@@ -82,7 +82,8 @@ std::vector<fs::path> RequireStripFiles(const fs::path& flight_folder) {
   std::vector<fs::path> files = FindStripFiles(flight_folder);
   if (!files.empty()) return files;
   throw InvalidInput(
-      "the flight has no strips; put point clouds (.las, or .txt of t, x, y, z, ux, uy, uz) into " +
+      "the flight has no strips; put point clouds (.las, .laz, or .txt of t, x, y, z, ux, uy, uz) "
+      "into " +
       (flight_folder / "strips").string());
 }
 

@@ -35,6 +35,11 @@ SensorClass FindClass(const std::optional<ImuConfig>& imu) {
 
 }  // namespace
 
+bool HasAutomaticGnssProcess(const FlightConfig& config) {
+  return !config.unmodelled.none && config.gnss && config.gnss->automatic_process &&
+         config.gnss->processes.empty();
+}
+
 UnmodelledPrior MakeUnmodelledPrior(const FlightConfig& config) {
   if (config.unmodelled.none) return {};
   UnmodelledPrior prior(FindClass(config.imu));

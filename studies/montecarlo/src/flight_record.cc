@@ -3,7 +3,7 @@
 #include <dn/error.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>
-#include <dn/sim/random.h>
+#include <dn/sim/draw_effects.h>
 #include <dn/stopwatch.h>
 
 #include <Eigen/Cholesky>
@@ -145,22 +145,16 @@ void AddErrors(const SimulatedFlight& simulated, const Solution& solution,
       Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
 }
 
-/// Returns the scenario with every effect of the prior of its flights, drawn with a factor.
+/// Returns the scenario with every effect of the prior of its flights and a time-correlated error
+/// of the GNSS positions, drawn with a factor.
 Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) {
   FlightConfig config;
   config.imu.emplace().model = scenario.imu.model;
-  const UnmodelledPrior prior = MakeUnmodelledPrior(config);
-  Random random(seed, "unmodelled effects");
-  for (const EffectSpec& effect : EffectTable()) {
-    if (!effect.fixed()) continue;
-    const Eigen::VectorXd sigma_si = prior.Sigma(effect.id);
-    if (sigma_si.isZero(0.0)) continue;
-    Effect drawn{effect.name, {}, {}, {}};
-    for (std::size_t k = 0; k < effect.components.size(); ++k) {
-      drawn.value.push_back(factor * random.Normal() * sigma_si[static_cast<Eigen::Index>(k)] /
-                            effect.components[k].to_si);
-    }
-    scenario.effects.push_back(std::move(drawn));
+  for (Effect& effect : DrawEffects(MakeUnmodelledPrior(config), factor, seed)) {
+    scenario.effects.push_back(std::move(effect));
+  }
+  if (scenario.gnss.processes.empty()) {
+    scenario.effects.push_back(DrawGnssProcess(scenario.gnss.sigma_enu_m, factor, seed));
   }
   return scenario;
 }

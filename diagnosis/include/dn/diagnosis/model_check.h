@@ -35,7 +35,8 @@ struct NodeChange {
 ///   e = -(A + D^-1)^-1 s,   x' = x - S e,   C' = C + S (A + D^-1)^-1 S^T
 ///
 /// s, A and S are the score, the information and the shift of the effects (JointScore), and D is
-/// their prior covariance (UnmodelledPrior).
+/// their prior covariance (UnmodelledPrior). A process of the GNSS positions has many D, one per
+/// size and time constant: e and C' are then mean and covariance over their posterior.
 struct UnmodelledEffects {
   /// Change of an estimated effect: the correction of its value, and the variance added, SI.
   struct UnknownChange {
@@ -46,9 +47,14 @@ struct UnmodelledEffects {
   /// Left rotation of the boresight, and the covariance added; zero without boresight.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+  /// The part of covariance_rad2 that is from noise beyond the stated one, not from effects.
+  Eigen::Matrix3d noise_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
   std::vector<EffectContribution> contributions;  ///< the largest first
   std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
+  /// Whether the size of the time-correlated error of the GNSS positions (gnss.processes: auto) is
+  /// one that its prior expects; absent without it.
+  std::optional<bool> gnss_process_usual;
 };
 
 /// Results of the tests of whether the data of an adjusted flight agree with the assumed model.
@@ -72,10 +78,15 @@ struct ModelCheck {
   double gnss_clock_shift = 0.0;         ///< of gnss_clock, like EffectCheck::max_shift_sigmas
   bool gnss_clock_within_prior = false;  ///< the same, like EffectEvidence::within_prior
   double sigma0_with_effects = 1.0;      ///< sigma0 if `effects` were estimated, first order
-  double p_value = 1.0;                  ///< smallest p-value of all tests, family-wise
-  std::vector<Finding> findings;         ///< the contradicting ones first
+  /// Number of independent tests whose smallest p-value has the distribution of that of all tests;
+  /// 0 if it was not estimated.
+  double effective_tests = 0.0;
+  /// Probability of a smallest p-value as small as that of this flight if the model holds. It is
+  /// uniform then for a network; for other methods it is the smallest family-wise p-value.
+  double p_value = 1.0;
+  std::vector<Finding> findings;  ///< the contradicting ones first
 
-  double SmallestPValue() const;  ///< of all tests; 1 if there are none
+  double SmallestPValue() const;  ///< family-wise, of all tests; 1 if there are none
   bool contradicted() const;
 };
 
@@ -97,6 +108,12 @@ struct ModelCheck {
 ///                  boresight that it would give.
 ///   priors         predicted residual of each stated prior (PredictFactor).
 ///   others         shares of rejected pairs and GNSS epochs, size of the boresight, sigma0.
+///
+/// The p-values of single tests are multiplied by the number of tests (Bonferroni), so that their
+/// level is kept for any dependence. The p-value of the flight is 1 - (1 - p)^m with the smallest
+/// raw p. The effective number of tests m is the maximum likelihood estimate from the smallest p of
+/// replicates: the 32 samples of residuals for groups and common errors, 400 draws of N(0, A) for
+/// the scores. Each prior adds one test.
 ///
 /// tr(M_gg^2) and the moments of the sums over windows are estimated from 32 samples of M e, e ~
 /// N(0, I), with a fixed seed. The p-values are those of a chi-square distribution with the same

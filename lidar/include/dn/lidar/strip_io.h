@@ -65,24 +65,24 @@ class StripReader {
   virtual std::optional<std::uint64_t> points() const = 0;
 
   /// Returns a writer for a file with the same format, version, coordinate system and other
-  /// contents.
+  /// contents. LAS points are compressed if the name ends in .laz.
   virtual std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
                                                   const StripAdditions& additions) const = 0;
 };
 
 /// Opens a strip. The file name extension selects the format:
 ///
-///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes. Both kinds of GPS time
-///           are read; "adjusted standard" time is converted to seconds of week, counted from the
-///           beginning of the week of the first point. Laser vectors are extra bytes named ux, uy,
-///           uz [m]. The coordinate system is read from GeoTIFF keys and well-known text.
+///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes; compressed or not (LAZ,
+///   .laz    COPC), by content. "Adjusted standard" GPS time is converted to seconds of the week of
+///           the first point. Laser vectors are extra bytes named ux, uy, uz [m]. The coordinate
+///           system is read from GeoTIFF keys and well-known text.
 ///   .txt    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
 ///           (upper triangle xx, xy, xz, yy, yz, zz)
 ///
-/// Throws InvalidInput, with the file and the remedy, for LAZ and for any other extension. The
-/// reader throws it for a header that contradicts itself, its records or the file size, and for
-/// coordinates that are not in metres. It also throws for a time that is not a second of week, and
-/// for a laser vector shorter than 1 mm or longer than 50 km.
+/// Throws InvalidInput, with the file and the remedy, for any other extension. Also throws it for a
+/// header that contradicts itself, its records or the file size, and for damaged points. The units
+/// must be metres, a time must be a second of week, and a laser vector between 1 mm and 50 km long.
+/// The message names the record or the byte.
 std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file);
 
 /// Coordinate grid of a new LAS file. Each coordinate is offset_m plus an integer multiple of
@@ -92,7 +92,7 @@ struct LasGrid {
   double scale_m = 1e-4;
 };
 
-/// Creates a new LAS file: version 1.4, point format 6, GPS time in seconds of week. This format
+/// Creates a new LAS or LAZ file: version 1.4, point format 6, time in seconds of week. This format
 /// has 64-bit counts, and its specification includes extra bytes. The laser vector is stored as
 /// extra bytes ux, uy, uz [m] of type double. Each point is the only return of its pulse. The file
 /// does not name a coordinate system. Append needs p_c, t_s and u_s; empty arrays of source and

@@ -7,6 +7,7 @@
 #include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
+#include <dn/sim/vibration.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -40,6 +41,7 @@ struct PlanScenario {
   std::vector<PlannedLine> lines;
   double bank_rad = 0.0;  ///< maximum bank angle in turns
   TurbulenceScenario turbulence;
+  VibrationScenario vibration;
   double crab_rad = 0.0;          ///< heading minus course
   bool stabilised_mount = false;  ///< the mount keeps the body level within 0.3 deg
   /// File of a trajectory to fly instead of `lines`, with its own times and attitude.
@@ -104,7 +106,12 @@ struct LidarScenario {
 struct PairScenario {
   long count = 0;
   double sigma_p_m = 0.0;  ///< per coordinate of the difference of a pair
-  FileLocation where;      ///< location of the section in the scenario
+  /// Fraction of the variance that neighbouring pairs of two strips share, and the distance at
+  /// which their correlation has fallen to exp(-1/2). The shared error is in the sensor frame of
+  /// the first strip.
+  double shared_fraction = 0.0;
+  double shared_length_m = 0.0;
+  FileLocation where;  ///< location of the section in the scenario
 };
 
 /// Entry of `effects:`: an error that the data contain and the assumed model lacks.

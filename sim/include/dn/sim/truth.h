@@ -11,6 +11,7 @@
 namespace dn {
 
 class DisturbanceTable;
+class PlatformVibration;
 
 /// Exact motion at one instant, and the measurements of ideal inertial sensors.
 struct TruthState {
@@ -43,17 +44,24 @@ struct NormalEarth {
 ///   f_b    = R_bm (a + 2 w x v + w x (w x (r0 + p)) - gravitation(p))
 ///
 /// The path has four continuous derivatives and the disturbance has two, so that rates and forces
-/// are smooth. The class is thread-safe.
+/// are smooth. Vibration moves the body by a displacement d and a rotation vector in its own axes:
+///
+///   p_mb = p0 + R0 d,   R_mb = R0 Exp(turn)
+///
+/// The class is thread-safe.
 class TruthTrajectory {
  public:
   /// The times of the path count from t_begin_s. Throws InvalidInput if the path with the lead of
   /// the disturbance does not cover [t_begin_s, t_end_s].
   TruthTrajectory(LocalFrame frame, UniformSpline path, const Disturbance& disturbance,
-                  double t_begin_s, double t_end_s);
+                  double t_begin_s, double t_end_s,
+                  std::shared_ptr<const PlatformVibration> vibration = nullptr);
 
   const LocalFrame& frame() const { return frame_; }
   double t_begin_s() const { return t_begin_s_; }
   double t_end_s() const { return t_end_s_; }
+  /// Returns the highest frequency of the vibration, Hz; 0 without vibration.
+  double vibration_hz() const;
 
   /// The functions below accept t_s in [t_begin_s, t_end_s] plus 1 ms on either side; they throw
   /// InvalidInput outside.
@@ -73,16 +81,19 @@ class TruthTrajectory {
  private:
   /// Position and angles of the flight, with their derivatives.
   struct Motion {
-    Eigen::Vector3d p, v, a;        // in m
-    Eigen::Vector3d rph, rph_rate;  // roll, pitch, heading, rad and rad/s
+    Eigen::Vector3d p, v, a;                   // in m
+    Eigen::Vector3d rph, rph_rate, rph_accel;  // roll, pitch, heading, rad, rad/s, rad/s^2
   };
   Motion MotionAt(double t_s) const;
+  /// Adds the vibration to the pose, the acceleration and the rate of a state.
+  void Shake(const Motion& motion, TruthState* state) const;
   TruthState ComputeState(const Motion& motion, double t_s, const Eigen::Matrix3d& R_mn,
                           const Eigen::Vector3d& gravitation_m) const;
 
   LocalFrame frame_;
   UniformSpline path_;
   std::shared_ptr<const DisturbanceTable> disturbance_;
+  std::shared_ptr<const PlatformVibration> vibration_;  // null without vibration
   double t_begin_s_;
   double t_end_s_;
 };

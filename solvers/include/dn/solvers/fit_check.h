@@ -68,6 +68,10 @@ struct FitCheck {
 /// Throws InvalidInput if the selected inverse of `marginals` has not been computed.
 FitCheck CheckFit(const Marginals& marginals, const OutlierTest& test = {});
 
+/// Returns the two-sided p-value of the sum of squares of a channel. `redundancy` is the sum of the
+/// redundancy numbers of its rows.
+double ChannelPValue(double redundancy, const FormMoments& moments, double energy);
+
 /// Returns the test of one channel for the residuals of the network, or for what they would be with
 /// further unknowns. `redundancy` contains the redundancy number of every row of the
 /// network (RedundancyNumbers). `moments` are those of `form`.

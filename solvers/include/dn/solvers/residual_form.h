@@ -54,11 +54,20 @@ void ForEachSampledResidual(
 /// ForEachSampledResidual.
 FormMoments SampleMoments(const std::vector<double>& energies);
 
+/// Returns the values of the forms for the samples of ForEachSampledResidual: forms x samples.
+Eigen::MatrixXd SampleFormEnergies(const Marginals& marginals,
+                                   const std::vector<ResidualForm>& forms);
+
 /// Returns the mean and variance of each form r^T S^T S r for r = M e, e ~ N(0, I), M as in
 /// Marginals::Project. Networks of at most 400 rows use the exact mean tr(S M S^T) and variance 2
 /// tr((S M S^T)^2). Larger networks use 32 samples with a fixed seed. The cost is one pair of
 /// triangular solves per row or sample.
 std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
                                             const std::vector<ResidualForm>& forms);
+/// Returns the same moments if the samples of a large network are known: `energies` are those of
+/// SampleFormEnergies.
+std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
+                                            const std::vector<ResidualForm>& forms,
+                                            const Eigen::MatrixXd& energies);
 
 }  // namespace dn

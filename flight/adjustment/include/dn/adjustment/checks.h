@@ -21,6 +21,9 @@ struct GroupCheck {
   double worst_t_s = 0.0;
   double worst_standardised = 0.0;  ///< residual / root of its redundancy number
   bool isolated = false;            ///< one wrong measurement explains the misfit of the group
+  /// The reported covariance contains noise of the size that the residuals show, and their ratio is
+  /// not significantly above the largest one that is tolerated.
+  bool covered = false;
 };
 
 /// Test for errors that residuals share: sum, over time windows, of the squared sum of the
@@ -37,6 +40,9 @@ struct CommonErrorCheck {
   /// Nats, for a common error of the likeliest size against no common error.
   double log_evidence = 0.0;
   bool explained = false;  ///< no longer significant if the found effects are estimated
+  /// The reported covariance contains errors that residuals of the group share, and what goes
+  /// beyond them is not significant or shifts no watched unknown by more than its sigma.
+  bool covered = false;
 };
 
 /// Evidence for an effect, with its estimate.

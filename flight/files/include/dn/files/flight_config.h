@@ -43,6 +43,9 @@ struct GnssConfig {
   double sigma_scale = 1.0;
   std::optional<bool> use_velocity;    ///< absent: auto, used if the columns exist
   std::vector<GnssProcess> processes;  ///< time-correlated errors of the positions; they add up
+  /// `processes: auto`: without stated processes, the effects that the model leaves out contain one
+  /// whose size and time constant are estimated.
+  bool automatic_process = true;
   RobustKind robust = RobustKind::kNone;
 };
 
@@ -126,6 +129,10 @@ struct FlightConfig {
   /// there is none.
   std::string unexplained;
 };
+
+/// Returns whether the GNSS positions have a process whose size and time constant are estimated:
+/// gnss.processes is auto, and the model is not the pure one.
+bool HasAutomaticGnssProcess(const FlightConfig& config);
 
 /// Returns the columns of a text trajectory as the section `trajectory` describes them, with the
 /// body axes and the origin of the flight.

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <dn/effects/unmodelled_prior.h>
+#include <dn/sim/scenario.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace dn {
+
+/// Draws every effect that has a prior from it: each component is normal, with `factor` times the
+/// standard deviation of the prior. The values are in the units of EffectTable.
+std::vector<Effect> DrawEffects(const UnmodelledPrior& prior, double factor, std::uint64_t seed);
+
+/// Draws a time-correlated error of GNSS positions from GnssProcessPrior, with `factor` times its
+/// size, for these stated sigmas east, north, up.
+Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, std::uint64_t seed);
+
+}  // namespace dn

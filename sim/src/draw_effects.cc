@@ -1,0 +1,42 @@
+#include <dn/effects/effect_table.h>
+#include <dn/effects/gnss_process_prior.h>
+#include <dn/sim/draw_effects.h>
+#include <dn/sim/random.h>
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace dn {
+
+std::vector<Effect> DrawEffects(const UnmodelledPrior& prior, double factor, std::uint64_t seed) {
+  Random random(seed, "unmodelled effects");
+  std::vector<Effect> effects;
+  for (const EffectSpec& effect : EffectTable()) {
+    if (!effect.fixed()) continue;
+    const Eigen::VectorXd sigma_si = prior.Sigma(effect.id);
+    if (sigma_si.isZero(0.0)) continue;
+    Effect drawn{effect.name, {}, {}, {}};
+    for (std::size_t k = 0; k < effect.components.size(); ++k) {
+      drawn.value.push_back(factor * random.Normal() * sigma_si[static_cast<Eigen::Index>(k)] /
+                            effect.components[k].to_si);
+    }
+    effects.push_back(std::move(drawn));
+  }
+  return effects;
+}
+
+Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, std::uint64_t seed) {
+  using Prior = GnssProcessPrior;
+  Random random(seed, "unmodelled GNSS process");
+  const double size = Prior::kMedianSize * std::exp(Prior::kLogSizeSigma * random.Normal());
+  const Eigen::Vector3d sigma_m = factor * size * Prior::StatedSigma(stated_enu_m) * Prior::Axes();
+  const double tau_s =
+      Prior::kShortestTauS * std::pow(Prior::kLongestTauS / Prior::kShortestTauS, random.Uniform());
+  return {EffectName(EffectId::kGnssCorrelatedNoise),
+          {sigma_m.x(), sigma_m.y(), sigma_m.z(), tau_s},
+          {},
+          {}};
+}
+
+}  // namespace dn
