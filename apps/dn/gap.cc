@@ -22,6 +22,7 @@ struct GapArguments {
   bool limits = false;
   std::uint64_t seed = 1;
   double alpha = 0.05;
+  double outside = GapOptions().outside;
   std::string effects;
   std::string without;
 };
@@ -44,6 +45,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   gap.depth = ChooseDepth(options);
   gap.seed = options.seed;
   gap.alpha = options.alpha;
+  gap.outside = options.outside;
   gap.threads = run->options().threads;
   gap.effects = SplitAtCommas(options.effects);
   gap.left_out = SplitAtCommas(options.without);
@@ -152,6 +154,11 @@ void AddGapOptions(CLI::App* app, GapArguments* options) {
   app->add_option("--alpha", options->alpha,
                   "Significance level (false-alarm rate) of the gap test")
       ->check(PositiveNumber())
+      ->capture_default_str();
+  app->add_option("--outside", options->outside,
+                  "Prior probability that what happened is not in the library, if something did: "
+                  "at least 0, below 1")
+      ->check(Probability())
       ->capture_default_str();
   app->add_option(
       "--effects", options->effects,

@@ -63,7 +63,8 @@ UnmodelledUnknowns::UnmodelledUnknowns(const Library& library, const UnmodelledP
     : library_(library), score_(score), estimate_(VectorXd::Zero(score.s.size())) {
   std::vector<double> sigma;
   for (const Hypothesis& hypothesis : library.hypotheses) {
-    if (!hypothesis.id || !EffectRow(*hypothesis.id).fixed()) continue;
+    // A hypothesis of cells is one of many windows or starts; none of them has a prior.
+    if (!hypothesis.id || hypothesis.cells || !EffectRow(*hypothesis.id).fixed()) continue;
     const VectorXd sigma_si = prior.Sigma(*hypothesis.id);
     const std::vector<Index> components = hypothesis.Components(score);
     for (std::size_t k = 0; k < components.size(); ++k) {

@@ -8,12 +8,15 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "testing/only_effect.h"
 #include "testing/short_flights.h"
 
 namespace dn::diagnosis_test {
 
+using diagnosis_internal::CellRange;
+using diagnosis_internal::Hypothesis;
 using diagnosis_internal::Library;
 using diagnosis_internal::MakeHypothesis;
 using diagnosis_internal::UnmodelledUnknowns;
@@ -114,6 +117,18 @@ TEST(UnmodelledUnknowns, AComponentThatIsRuledOutChangesNothing) {
   const UnmodelledUnknowns none(toy.library, UnmodelledPrior(), toy.score);
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(none.Conditioned().A, toy.score.A);
+}
+
+TEST(UnmodelledUnknowns, HaveNoStartsOfAStep) {
+  UnmodelledPrior prior;
+  prior.Set(EffectId::kLidarLeverArm, Eigen::Vector3d::Constant(0.01));
+  Toy toy(prior);
+  Hypothesis step = MakeHypothesis(EffectId::kBoresightStep, 0);
+  step.cells = CellRange{0, 1};
+  toy.library.hypotheses.push_back(step);
+  prior.Set(EffectId::kBoresightStep, Eigen::Vector3d::Constant(1e-5));
+  EXPECT_EQ(UnmodelledUnknowns(toy.library, prior, toy.score).components(),
+            (std::vector<Index>{0, 1, 2}));
 }
 
 TEST(UnmodelledUnknowns, ContributionsAreWhatKnowledgeOfAnEffectWouldSave) {

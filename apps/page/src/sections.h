@@ -75,7 +75,7 @@ void Append(Section section, Document* document);
 
 /// Meaning of a verdict for the reader.
 struct Meaning {
-  const char* answer;
+  std::string answer;
   Tone tone;
   std::vector<std::string> next;
 };
