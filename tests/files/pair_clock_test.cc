@@ -71,14 +71,14 @@ TEST(PairClock, FindsTheOffset) {
 }
 
 TEST(PairClock, AMountingIsNoClock) {
-  constexpr double kDeg = kRadPerDeg;
+  constexpr double kDegree = kRadPerDeg;
   for (const Vector3d& boresight_deg : {Vector3d(0, 0, 0), Vector3d(2, -1, 3), Vector3d(5, 5, 5),
                                         Vector3d(0, 8, 0), Vector3d(0, 0, 90)}) {
     for (const bool with_trajectory : {true, false}) {
-      EXPECT_FALSE(FindPairClockOffset(TwoLines(0.0, kDeg * boresight_deg, with_trajectory)));
+      EXPECT_FALSE(FindPairClockOffset(TwoLines(0.0, kDegree * boresight_deg, with_trajectory)));
     }
   }
-  EXPECT_TRUE(FindPairClockOffset(TwoLines(-18.0, kDeg * Vector3d(2, -1, 3), true)));
+  EXPECT_TRUE(FindPairClockOffset(TwoLines(-18.0, kDegree * Vector3d(2, -1, 3), true)));
 }
 
 TEST(PairClock, IsNamedWithTheRemedy) {
