@@ -314,7 +314,7 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
       CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
                       flight_run.solution->trajectory(), flight_run.solution->model_check(),
                       network.boresight, network.unknowns, network.pairs, flight_run.timings);
-  json["noise"] = NoiseJson(flight_run.noise);
+  if (flight_run.noise) json["noise"] = NoiseJson(*flight_run.noise);
   const std::string result = FormatJson(json);
   run->AddFile("result" + suffix + ".json", result);
   if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use

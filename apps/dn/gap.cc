@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <optional>
 #include <sstream>
 
 #include "command.h"
@@ -116,7 +117,8 @@ void RunGap(const GapArguments& options, Run& run) {
     adjust.with_pairs = flight.pairs.has_value();
     adjust.threads = run.options().threads;
     adjust.interrupted = gap.interrupted;
-    run.report()["noise"] = NoiseJson(EstimateUnknownNoise(adjust, &flight, &run));
+    const std::optional<NoiseSizes> noise = EstimateUnknownNoise(adjust, &flight, &run);
+    if (noise) run.report()["noise"] = NoiseJson(*noise);
   }
   const GapResult result = Diagnose(flight, gap);
   const GapDiagnosis& diagnosis = result.diagnosis;

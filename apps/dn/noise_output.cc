@@ -38,10 +38,9 @@ std::optional<NoiseSizes> EstimateUnknownNoise(AdjustOptions options, Flight* fl
   return noise;
 }
 
-Json NoiseJson(const std::optional<NoiseSizes>& noise) {
-  if (!noise) return nullptr;
+Json NoiseJson(const NoiseSizes& noise) {
   Json list = Json::array();
-  for (const NoiseSize& size : noise->sizes) {
+  for (const NoiseSize& size : noise.sizes) {
     list.push_back({{"name", size.name},
                     {"unit", size.unit},
                     {"start", size.start},

@@ -13,8 +13,8 @@ namespace dn::apps {
 /// other flights. The flight then has the estimated noise. Throws as EstimateNoise does.
 std::optional<NoiseSizes> EstimateUnknownNoise(AdjustOptions options, Flight* flight, Run* run);
 
-/// Returns a list of sizes with name, unit, start, value, sigma and redundancy; null without sizes.
-Json NoiseJson(const std::optional<NoiseSizes>& noise);
+/// Returns a list of sizes with name, unit, start, value, sigma and redundancy.
+Json NoiseJson(const NoiseSizes& noise);
 
 /// Prints one line per size; nothing without sizes.
 void PrintNoise(const std::optional<NoiseSizes>& noise);

@@ -299,8 +299,10 @@ TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {
 // that prior: the biases and the poses at the nodes are the same.
 TEST(Unmodelled, BiasesAndPosesAreThoseOfAnAdjustmentWithTheEffectAsUnknown) {
   constexpr double kPriorPpm = 2000.0;
-  SimulatedFlight sim = testing::Fly(
-      testing::AircraftScenario("effects: [{effect: accel_scale_factor, value: 3000}]\n"), 3);
+  SimulatedFlight sim =
+      testing::Fly(testing::AircraftScenario(
+                       "effects: [{effect: accel_scale_factor, value: [3000, 3000, 3000]}]\n"),
+                   3);
   sim.flight.config.gnss->automatic_process = false;
   sim.flight.config.unmodelled = testing::OnlyEffect(EffectId::kAccelScaleFactor, kPriorPpm);
   const Solution left_out(sim.flight);

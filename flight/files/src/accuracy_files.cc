@@ -22,11 +22,11 @@ std::string Lower(std::string text) {
   return text;
 }
 
-/// Returns whether a file is named like an smrmsg file and is binary. Its ending does not matter.
+/// Returns whether a file is named like an smrmsg file and is not text. Its ending does not matter.
 bool IsSmrmsg(const fs::path& file) {
   std::error_code none;
   return Lower(file.filename().string()).find("smrmsg") != std::string::npos &&
-         fs::is_regular_file(file, none) && IsBinaryFile(file);
+         fs::is_regular_file(file, none) && (fs::is_empty(file, none) || IsBinaryFile(file));
 }
 
 /// Returns the smrmsg file of POSPac in a folder: for "sbet_<name>" it is "smrmsg_<name>" with any
