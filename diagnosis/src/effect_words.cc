@@ -49,7 +49,7 @@ bool Unmeasured(const GapCause& cause) {
 std::string Percent(double share) {
   const double percent = 100.0 * share;
   for (int digits = 0; digits <= 2; ++digits) {
-    const std::string text = fmt::format("{:.{}f}", percent, digits);
+    std::string text = fmt::format("{:.{}f}", percent, digits);
     if (percent >= 100.0 || std::stod(text) < 100.0) return text;
   }
   return "more than 99.99";
