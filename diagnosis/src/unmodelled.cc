@@ -71,6 +71,8 @@ UnmodelledUnknowns::UnmodelledUnknowns(const Library& library, const UnmodelledP
       const double one = sigma_si[static_cast<Index>(k)];
       if (one == 0.0) continue;
       fixed_.push_back(components[k]);
+      effect_.push_back(*hypothesis.id);
+      within_.push_back(static_cast<Index>(k));
       sigma.push_back(one);
     }
   }
@@ -132,6 +134,17 @@ MatrixXd UnmodelledUnknowns::Gain() const {
 MatrixXd UnmodelledUnknowns::PriorCovariance() const {
   const MatrixXd gain = score_.shift(Eigen::all, fixed_) * sigma_.asDiagonal();
   return gain * gain.transpose();
+}
+
+EffectPosterior UnmodelledUnknowns::Posterior() const {
+  const MatrixXd root = PosteriorRoot();
+  const MatrixXd fixed = root.topRows(static_cast<Index>(fixed_.size()));
+  const MatrixXd shift = score_.shift(Eigen::all, components_) * root;
+  EffectPosterior posterior{effect_, within_, sigma_, estimate_(fixed_), {}, {}, {}};
+  posterior.covariance = fixed * fixed.transpose();
+  posterior.added = shift * shift.transpose();
+  posterior.cross = -shift * fixed.transpose();
+  return posterior;
 }
 
 VectorXd UnmodelledUnknowns::EstimateBeside(const VectorXd& others) const {

@@ -1,5 +1,4 @@
 #include <dn/adjustment/words.h>
-#include <dn/diagnosis/effect_posterior.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/effects/effect_table.h>
 #include <dn/fleet/reduced_flight.h>
@@ -63,7 +62,7 @@ class Reduction {
         boresight_(boresight),
         check_(solution.model_check()),
         config_(solution.network().flight().config) {
-    if (check_.unmodelled) posterior_ = ComputeEffectPosterior(solution);
+    if (check_.unmodelled) posterior_ = check_.unmodelled->posterior;
   }
 
   ReducedFlight Run() {

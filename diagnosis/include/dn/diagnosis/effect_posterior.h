@@ -1,6 +1,5 @@
 #pragma once
 
-#include <dn/diagnosis/solution.h>
 #include <dn/effects/effect_table.h>
 #include <dn/eigen_alignment.h>
 
@@ -21,8 +20,5 @@ struct EffectPosterior {
   Eigen::MatrixXd added;  ///< covariance that these effects, and the process of GNSS, add to x
   Eigen::MatrixXd cross;  ///< covariance of x (rows) with e (columns)
 };
-
-/// Computes the posterior of an adjusted flight with pairs. It is empty for the pure model.
-EffectPosterior ComputeEffectPosterior(const Solution& solution);
 
 }  // namespace dn

@@ -6,6 +6,7 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/adjustment/plane_flight.h>
 #include <dn/adjustment/result.h>
+#include <dn/diagnosis/effect_posterior.h>
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
@@ -57,6 +58,7 @@ struct UnmodelledEffects {
   std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
   std::vector<EffectContribution> contributions;  ///< the largest first
   std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
+  EffectPosterior posterior;                      ///< of a network with a boresight
   /// Whether the size of the time-correlated error of the GNSS positions (gnss.processes: auto) is
   /// one that its prior expects; absent without it.
   std::optional<bool> gnss_process_usual;
