@@ -15,7 +15,6 @@ namespace dn {
 using diagnosis_internal::AssessmentJson;
 using diagnosis_internal::BoresightJson;
 using diagnosis_internal::TimingJson;
-using diagnosis_internal::UnknownsJson;
 
 namespace {
 
@@ -81,15 +80,6 @@ void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vecto
 
 namespace diagnosis_internal {
 
-Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
-  Json json = Json::object();
-  for (const UnknownEstimate& unknown : unknowns) {
-    json[unknown.name] = {
-        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
-  }
-  return json;
-}
-
 Json TimingJson(const RunTimings& timings) {
   return {{"read", timings.read_s},
           {"solve", timings.solve_s},
@@ -115,6 +105,15 @@ Json AssessmentJson(const BoresightResult& boresight) {
 }
 
 }  // namespace diagnosis_internal
+
+Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
+  Json json = Json::object();
+  for (const UnknownEstimate& unknown : unknowns) {
+    json[unknown.name] = {
+        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
+  }
+  return json;
+}
 
 Json PredictedBoresightJson(const BoresightResult& boresight) {
   return {{"sigma_deg", ToJson(boresight.sigma_rad() * kDegPerRad)},

@@ -153,19 +153,11 @@ Section ForecastSection(const Facts& result) {
 }
 
 Section SharedSection(const Facts& result) {
-  Table table{"Effects that the flights share",
-              {"effect", "roll [mdeg]", "pitch", "yaw", "smaller by"},
-              {},
-              "More flights make these parts of the sigmas smaller only as far as they show the "
-              "effects."};
-  for (const Facts& part : result["boresight"]["contributions"].elements()) {
-    std::vector<Cell> cells = Three(part["sigma_deg"], 2, 1e3);
-    cells.push_back(Text(part["remedy"].text()));
-    table.rows.push_back(Row(part["effect"].text(), std::move(cells)));
-  }
-  std::vector<Cell> pure = Three(result["boresight"]["as_modelled"]["sigma_deg"], 2, 1e3);
-  pure.push_back(Text(""));
-  table.rows.push_back(Row("pure model", std::move(pure)));
+  Table table = ContributionTable(result["boresight"]);
+  table.title = "Effects that the flights share";
+  table.note =
+      "More flights make these parts of the sigmas smaller only as far as they show the effects.";
+  table.rows.push_back(PureModelRow(result["boresight"]));
   return {"Sigmas", {std::move(table)}};
 }
 

@@ -66,15 +66,6 @@ Json BoresightJson(const BoresightResult& boresight) {
   return json;
 }
 
-Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
-  Json json = Json::object();
-  for (const UnknownEstimate& unknown : unknowns) {
-    json[unknown.name] = {
-        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
-  }
-  return json;
-}
-
 Json FiguresJson(const FleetResult& fleet) {
   AdjustmentFigures figures;
   figures.chi2 = fleet.stability.chi2;

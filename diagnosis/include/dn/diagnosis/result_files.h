@@ -51,6 +51,9 @@ Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
                     const std::vector<std::pair<std::string, std::string>>& absent);
 
+/// Returns `estimates` of result.json: value, sigma and unit of each unknown by its name.
+Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns);
+
 /// Returns the boresight of a design, without angles: sigmas, covariance and correlation, the same
 /// of the pure model, and the contributions of the effects that it leaves out.
 Json PredictedBoresightJson(const BoresightResult& boresight);
