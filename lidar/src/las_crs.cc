@@ -13,11 +13,11 @@ namespace dn::lidar_internal {
 namespace {
 
 constexpr int kGeographicWgs84 = 4326, kGeocentricWgs84 = 4978;
-constexpr double kFootM = 0.3048, kSurveyFootM = 1200.0 / 3937.0;
 constexpr std::size_t kMostText = 200, kLongestWkt = 20000;
 
+/// Returns the name of a zone, 1 to 60.
 std::string Utm(int zone, bool south) {
-  return "utm:" + std::to_string(zone) + (south ? "s" : "n");
+  return ShortCrsName("epsg:" + std::to_string((south ? 32700 : 32600) + zone));
 }
 
 [[noreturn]] void FailUnit(const char* what, const FileLocation& where) {
@@ -105,7 +105,7 @@ std::optional<double> FindUnit(const GeoKeys& keys, std::size_t key, const char*
   const int unit = keys.Number(key).value_or(0);
   if (unit == 0 || unit == kUserDefined) return std::nullopt;
   if (unit == kFoot) return kFootM;
-  if (unit == kSurveyFoot) return kSurveyFootM;
+  if (unit == kSurveyFoot) return kUsSurveyFootM;
   if (unit != kMetre) FailUnit(what, where);
   return 1.0;
 }
@@ -297,10 +297,9 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
 }
 
 StripCrs ParseWkt(std::string_view text, const FileLocation& where) {
-  const std::string_view stated = text.substr(0, text.find('\0'));
-  WktReader reader(stated);
+  WktReader reader(text);
   StripCrs crs = reader.Read();
-  const NamedCrs named = stated.size() <= kLongestWkt ? NameCrs(std::string(stated)) : NamedCrs();
+  const NamedCrs named = text.size() <= kLongestWkt ? NameCrs(std::string(text)) : NamedCrs();
   const bool converted = !named.name.empty() && !named.in_metres;
   if (reader.not_in_metres() != nullptr && !converted) FailUnit(reader.not_in_metres(), where);
   TakeName(named, &crs);

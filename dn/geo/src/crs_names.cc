@@ -18,7 +18,7 @@ struct HeightUnit {
   double m;
 };
 constexpr std::array<HeightUnit, 2> kHeightUnits{
-    {{" heights:ft", 0.3048}, {" heights:us-ft", 1200.0 / 3937.0}}};
+    {{" heights:ft", kFootM}, {" heights:us-ft", kUsSurveyFootM}}};
 
 /// Returns the ending of a name for a unit; nullopt for an unknown unit.
 std::optional<std::string> UnitEnding(double unit_m) {

@@ -30,5 +30,4 @@ Object HorizontalPart(const PJ* crs) {
 
 bool IsCompound(const PJ* crs) { return proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS; }
 
-/// Returns the system with ellipsoidal heights if it has none.
 }  // namespace dn::geo_internal

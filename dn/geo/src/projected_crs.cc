@@ -30,6 +30,7 @@ std::string Shown(const std::string& definition) {
   return text.size() <= kMostShown ? text : text.substr(0, kMostShown) + "...";
 }
 
+/// Returns the system with ellipsoidal heights if it has none.
 Object WithHeight(Object crs) {
   if (IsCompound(crs.get())) return crs;
   Object promoted(proj_crs_promote_to_3D(Context(), nullptr, crs.get()));

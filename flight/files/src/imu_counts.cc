@@ -1,6 +1,7 @@
 #include "imu_counts.h"
 
 #include <dn/geo/local_frame.h>
+#include <dn/geo/point_crs.h>
 
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 namespace dn::files_internal {
 namespace {
 
-constexpr double kFootM = 0.3048;
 constexpr double kArcsecondRad = kRadPerDeg / 3600.0;
 constexpr double kMilliG = 1e-3 * kStandardGravityMps2;
 // The mean force of a vehicle differs from gravity by less, and half the distance of two sizes is

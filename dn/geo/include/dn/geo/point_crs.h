@@ -14,6 +14,9 @@ namespace geo_internal {
 class ProjectedCrs;
 }  // namespace geo_internal
 
+/// Lengths of the international foot and of the US survey foot.
+inline constexpr double kFootM = 0.3048, kUsSurveyFootM = 1200.0 / 3937.0;
+
 /// Returns true if PointCrs accepts names of this form or it is "none". A code need not exist.
 bool IsPointCrsName(const std::string& name);
 
