@@ -7,17 +7,13 @@
 #include <optional>
 #include <vector>
 
+#include "lower_case.h"
+
 namespace dn::files_internal {
 namespace {
 
 using NamePart = std::string_view;
 using Choices = std::initializer_list<NamePart>;
-
-std::string LowerCase(NamePart text) {
-  std::string lower;
-  for (const char c : text) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
 
 /// Splits a name in lower case into words of letters and digits.
 std::vector<std::string> SplitWords(NamePart name) {

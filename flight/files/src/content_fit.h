@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/files/file_content.h>
+#include <dn/geo/week_seconds.h>
 
 #include <string>
 #include <utility>
@@ -44,5 +45,8 @@ class FitTests {
 /// Offset of time tags that are seconds since 1980 or 1970: the beginning of their GPS week.
 /// Returns 0 for seconds of week and for other times.
 double FindTimeOffset(double t_s);
+
+/// Returns whether a time is a second of week, or seconds since 1980 or 1970.
+inline bool IsTime(double t_s) { return IsWeekSeconds(t_s) || FindTimeOffset(t_s) != 0.0; }
 
 }  // namespace dn::files_internal

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "content_fit.h"
 #include "gnss_content.h"
 #include "imu_content.h"
+#include "lower_case.h"
 #include "message_log.h"
 #include "picked_columns.h"
 #include "spaced_rows.h"
@@ -27,14 +27,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using files_internal::ContentFit;
+using files_internal::IsTime;
 using files_internal::TextSample;
 
 constexpr std::size_t kRowsLookedAt = 4000;
 constexpr std::size_t kBytesLookedAt = std::size_t{1} << 16;
 // A log at 200 Hz has this many bytes in 10 s or more, with a position in each second.
 constexpr std::size_t kMessageBytesLookedAt = std::size_t{1} << 20;
-
-bool IsTime(double t_s) { return IsWeekSeconds(t_s) || files_internal::FindTimeOffset(t_s) != 0.0; }
 
 bool IsPairs(const TextTable& table) {
   if (table.columns != 8 && table.columns != 14) return false;
@@ -149,8 +148,7 @@ bool IsOwnFile(const fs::path& file) {
   static const std::array<const char*, 6> names{"trajectory_sigma", "trajectory_covariance",
                                                 "biases",           "gnss_errors",
                                                 "reference",        "initial_guess"};
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = files_internal::LowerCase(file.extension().string());
   return stem.starts_with('.') || extension == ".yaml" || extension == ".json" ||
          extension == ".html" || extension == ".svg" || extension == ".md" ||
          std::find(names.begin(), names.end(), stem) != names.end();

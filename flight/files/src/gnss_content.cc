@@ -188,10 +188,8 @@ ContentFit FitGnssChoice(const TextSample& sample, const TimeColumn& time, GnssC
   });
   if (!tests.Expect(has_columns, "fewer than 4 columns")) return tests.Result(content);
   TextTable table = PickRows(sample, time, all);
-  const bool numbers =
-      table.rows() > 0 && static_cast<double>(table.rows()) >=
-                              kLeastNumericRows * static_cast<double>(sample.table.rows());
-  if (!tests.Expect(numbers, "the columns contain text")) return tests.Result(content);
+  if (!tests.Expect(AreNumbers(table, sample), "the columns contain text"))
+    return tests.Result(content);
   content.time_offset_s = FindTimeOffset(table.row(0)[0]);
   tests.Expect(AreCoordinates(table),
                "no latitude, longitude and height with a speed below 1000 m/s");

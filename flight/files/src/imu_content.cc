@@ -112,9 +112,7 @@ ContentFit FitImuChoice(const TextSample& sample, const TimeColumn& time, const 
   content.kind = FileKind::kImu;
   content.time_offset_s = FindTimeOffset(table.rows() > 0 ? table.row(0)[0] : 0.0);
   FitTests tests(5.0);
-  const bool numbers = static_cast<double>(table.rows()) >=
-                           kLeastNumericRows * static_cast<double>(sample.table.rows()) &&
-                       table.rows() > 1;
+  const bool numbers = AreNumbers(table, sample) && table.rows() > 1;
   if (!tests.Expect(numbers, "the columns contain text")) return tests.Result(content);
   const ImuSizes sizes = MeasureImu(table);
   const bool has_gravity = FindForceUnit(sizes, &content);

@@ -35,8 +35,6 @@ std::vector<double> Times(const TextSample& sample, const TimeColumn& time) {
   return times;
 }
 
-bool IsTime(double t_s) { return IsWeekSeconds(t_s) || FindTimeOffset(t_s) != 0.0; }
-
 /// Sets the unit by the size of the steps. Returns false if no unit fits, or if the time does not
 /// increase.
 bool FindUnit(const TextSample& sample, const StepRange& range, bool unit_is_named,
@@ -171,6 +169,12 @@ TextTable PickRows(const TextSample& sample, const TimeColumn& time,
     picked.lines.push_back(sample.table.lines[i]);
   }
   return picked;
+}
+
+bool AreNumbers(const TextTable& picked, const TextSample& sample) {
+  constexpr double kLeastShare = 0.9;
+  return picked.rows() > 0 && static_cast<double>(picked.rows()) >=
+                                  kLeastShare * static_cast<double>(sample.table.rows());
 }
 
 ColumnNames FormatNames(const TimeColumn& time, const std::vector<NamedColumn>& columns) {

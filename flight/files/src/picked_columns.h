@@ -13,9 +13,6 @@
 
 namespace dn::files_internal {
 
-/// Share of the rows whose used columns must be numbers.
-inline constexpr double kLeastNumericRows = 0.9;
-
 /// Steps of the time, s, that are plausible for a kind of file.
 struct StepRange {
   double least_s, most_s;
@@ -58,6 +55,9 @@ std::vector<NamedColumn> FindMinutes(const std::vector<ColumnMeaning>& meanings)
 /// left out.
 TextTable PickRows(const TextSample& sample, const TimeColumn& time,
                    const std::vector<NamedColumn>& columns);
+
+/// Returns whether PickRows has left out few rows only.
+bool AreNumbers(const TextTable& picked, const TextSample& sample);
 
 /// Returns the names of all columns of the file up to the last one used.
 ColumnNames FormatNames(const TimeColumn& time, const std::vector<NamedColumn>& columns);

@@ -6,8 +6,9 @@
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
+
+#include "lower_case.h"
 
 namespace dn {
 namespace {
@@ -15,9 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsStripName(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = files_internal::LowerCase(file.extension().string());
   return ending == ".las" || ending == ".laz" || ending == ".txt" || ending == ".csv";
 }
 

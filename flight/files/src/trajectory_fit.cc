@@ -176,10 +176,8 @@ ContentFit FitTrajectory(const TextSample& sample) {
   if (!tests.Expect(!choices.empty(), "no position and attitude")) return tests.Result(content);
   const TrajectoryChoice& choice = BestTrajectoryChoice(sample, *time, choices);
   const TextTable table = RowsInDegrees(sample, *time, choice.columns);
-  const bool numbers =
-      table.rows() > 0 && static_cast<double>(table.rows()) >=
-                              kLeastNumericRows * static_cast<double>(sample.table.rows());
-  if (!tests.Expect(numbers, "the columns contain text")) return tests.Result(content);
+  if (!tests.Expect(AreNumbers(table, sample), "the columns contain text"))
+    return tests.Result(content);
   content.trajectory = FindTrajectoryColumns(table);
   tests.Expect(content.trajectory.has_value(),
                "no unit quaternion, and no heading that follows the course");
