@@ -4,6 +4,8 @@ target_compile_options(dn_dev_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi
   -ffp-contract=off
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # needed by a compiler cache
+  # The compiler collects its garbage less often: a sixth less time for a fifth more memory.
+  "$<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-expand=300;SHELL:--param ggc-min-heapsize=1000000>"
   # gcc 12 reports false overlaps and overflows for "text" + std::string (gcc bug 105651), more
   # often with precompiled headers. The address sanitizer finds real ones.
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>"

@@ -30,7 +30,7 @@ struct BlindCheckArguments {
   bool discard_flights = false;
 };
 
-std::vector<std::string> GapOptions(const std::string& word) {
+std::vector<std::string> ReadGapOptions(const std::string& word) {
   if (word == "quick") return {"--quick"};
   if (word == "screen") return {"--screen-only"};
   return {};
@@ -61,7 +61,7 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
                              const std::vector<std::uint64_t>& numbers, Run* run) {
   BlindSuite suite{options.seed, options.scenarios};
   if (!options.only.empty()) suite.only = RecordContent(options.only);
-  const BlindRunOptions how{options.common.out, GapOptions(options.gap_options),
+  const BlindRunOptions how{options.common.out, ReadGapOptions(options.gap_options),
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
   const auto fly = [&](std::size_t k) {

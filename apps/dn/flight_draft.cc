@@ -290,9 +290,11 @@ std::string FlightDraft::ImuText() const {
                       axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");
   text += OffsetText(imu_offset_s_);
   text += fmt::format(
+      "  # smooth, calibrate and gap estimate the noise from the flight. They start at the figures\n"
+      "  # below. With a data sheet, state its figures and remove this line, or name a preset.\n"
+      "  grade: unknown\n"
       "  # White noise: {}, times {:g}.\n"
-      "  # The biases are assumed for {}: replace\n"
-      "  # them by those of the data sheet or by a preset (grade).\n"
+      "  # The biases are assumed for {}.\n"
       "  gyro: {{white_deg_sqrt_h: {}, processes: [{}]}}\n"
       "  accel: {{white_m_s_sqrt_h: {}, processes: [{}]}}\n",
       white_.shaking ? "lowest level of the spectra; the platform SHAKES all the time"
@@ -407,7 +409,11 @@ std::vector<std::string> FlightDraft::Missing() const {
   if (gnss_ && !gnss_->has_sigma) {
     missing.emplace_back("gnss.sigma_enu_m: the file states no sigmas of its positions");
   }
-  if (imu_) missing.emplace_back("imu.gyro and imu.accel: biases of the data sheet");
+  if (imu_) {
+    missing.emplace_back(
+        "imu.gyro and imu.accel: the data sheet; without it noise and biases are estimated "
+        "(grade: unknown)");
+  }
   if (imu_ && white_.shaking) {
     missing.emplace_back(
         "imu.gyro and imu.accel: white noise of the data sheet; the platform shakes all the time");

@@ -28,7 +28,7 @@ Geodetic ReadOrigin(const YamlValue& value) {
   return {origin.x() * kRadPerDeg, origin.y() * kRadPerDeg, origin.z()};
 }
 
-PlannedLine ReadLine(const YamlValue& item) {
+PlannedLine ReadPlannedLine(const YamlValue& item) {
   const Eigen::VectorXd row = ReadNumbers(item, 6);
   PlannedLine line{{row[0], row[1]}, {row[2], row[3]}, row[4], row[5]};
   if (!(line.speed_mps > 0.0)) item.Fail("the speed of a line must be positive");
@@ -89,7 +89,7 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   plan.warm_up_s = ReadNotNegativeOr(s["warm_up_s"], 0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
   if (s["lines"]) {
-    for (const YamlValue& row : s["lines"].List(kMostLines)) plan.lines.push_back(ReadLine(row));
+    for (const YamlValue& row : s["lines"].List(kMostLines)) plan.lines.push_back(ReadPlannedLine(row));
   }
   const double bank_deg = ReadPositiveOr(s["bank_deg"], 25.0);
   if (bank_deg > 60.0) s["bank_deg"].Fail("must be at most 60");

@@ -87,6 +87,22 @@ TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
   EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 80.0 / std::sqrt(3.0), 8.0);
 }
 
+// Taken for noise, this clock makes the gyros several times noisier.
+TEST(UnknownNoise, AClockErrorIsNoNoise) {
+  SimulatedFlight sim = FlyUnknown(
+      testing::DroneScenario("effects: [{effect: gnss_time_offset, value: 0.05}, "
+                             "{effect: gnss_time_drift, value: 200}]\n"),
+      3);
+  const auto sizes = ByName(EstimateNoise({}, &sim.flight));
+  const double truth = testing::DroneScenario().imu.model.gyro.white;
+  const double found = RadPerSqrtSFromDegPerSqrtHour(sizes.at("imu.gyro.white").value);
+  EXPECT_LT(std::abs(std::log(found / truth)), std::log(1.5)) << found / truth;
+  EXPECT_EQ(sim.flight.config.estimate.size(), 1u);
+  const Adjustment adjustment = Adjust(sim.flight);
+  ASSERT_TRUE(adjustment.gnss_clock);
+  EXPECT_NEAR(adjustment.gnss_clock->offset_s, 0.05, 5.0 * adjustment.gnss_clock->sigma_offset_s);
+}
+
 // The accelerometers of this flight show nothing of their white noise.
 TEST(UnknownNoise, MayBeTenTimesTheStatedOne) {
   SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);

@@ -198,10 +198,11 @@ TEST(CliInit, FromLogsToATrajectoryInThreeCommands) {
   const ProgramRun init = RunProgram({"init", raw.path()});
   EXPECT_EQ(init.exit_code, 0) << init.err;
   EXPECT_THAT(init.out, AllOf(HasSubstr("inertial data"), HasSubstr("missing  gnss.lever_arm_m")));
-  EXPECT_THAT(raw.Yaml(), HasSubstr("50.00 Hz"));
+  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("50.00 Hz"), HasSubstr("grade: unknown")));
   EXPECT_EQ(RunProgram({"check", raw.path()}).exit_code, 0);
   RunProgram({"smooth", raw.path(), "--out", raw.out()});
   EXPECT_TRUE(fs::exists(fs::path(raw.out()) / "trajectory.out"));
+  EXPECT_GE(LoadJson(fs::path(raw.out()) / "smooth.json")["noise"].size(), 4u);
 }
 
 TEST(CliInit, SettlesAxesUnitsAndClocks) {

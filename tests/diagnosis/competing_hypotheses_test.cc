@@ -19,11 +19,11 @@ HypothesisEvidence WithEvidence(const std::string& name, double nats, bool physi
   return effect;
 }
 
-constexpr HypothesisPrior kPrior{.outside = 0.2, .unseen_nats = 5.0};
+constexpr HypothesisPrior kUsualPrior{.outside = 0.2, .unseen_nats = 5.0};
 
 CompetingHypotheses Competing(const std::string& effect,
                               const std::vector<HypothesisEvidence>& competing) {
-  return MakeCompetingHypotheses(effect, competing, kPrior);
+  return MakeCompetingHypotheses(effect, competing, kUsualPrior);
 }
 
 GapCause Cause(const std::string& effect) {
@@ -66,7 +66,7 @@ TEST(FillCauses, AddsTheProbabilitiesOfAllSlots) {
 
 TEST(SetProbabilities, LeavesRoomForWhatTheTableLacks) {
   const auto causes = [](double rest_nats) {
-    HypothesisPrior prior = kPrior;
+    HypothesisPrior prior = kUsualPrior;
     prior.rest_nats = rest_nats;
     GapDiagnosis diagnosis;
     FillCauses(

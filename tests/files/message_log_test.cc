@@ -56,7 +56,7 @@ std::string SpanLog(const std::string& position = "BESTGNSSPOSA") {
   return text;
 }
 
-std::vector<FileContent> Inspect(const std::string& text) {
+std::vector<FileContent> InspectLog(const std::string& text) {
   const testing::TempFolder folder;
   folder.Write("span.asc", text);
   return InspectFolder(folder.path());
@@ -120,7 +120,7 @@ TEST(MessageLog, TheSizeOfACountFollowsFromGravity) {
       log += name.ends_with("SA") ? ShortHeader(name, t_s) : LongHeader(name, t_s);
       log += RawImu(t_s, counts_per_mps);
     }
-    return Inspect(log).front();
+    return InspectLog(log).front();
   };
   EXPECT_EQ(inspect("RAWIMUA", 1.0 / 0x1p-29).rate_unit, 0x1p-33);
   EXPECT_EQ(inspect("RAWIMUSA", 1.0 / 0x1p-14).rate_unit, 0x1p-19);
@@ -134,24 +134,24 @@ TEST(MessageLog, TheSizeOfACountFollowsFromGravity) {
 TEST(MessageLog, PositionsWithInertialDataAreNotGnss) {
   std::string log = BestPosition("BESTPOSA", 381000.0, "INS_RTKFIXED");
   log += BestPosition("BESTPOSA", 381001.0, "INS_RTKFIXED");
-  const FileContent content = Inspect(log).front();
+  const FileContent content = InspectLog(log).front();
   EXPECT_EQ(content.kind, FileKind::kUnknown);
   EXPECT_THAT(content.why, HasSubstr("log BESTGNSSPOS"));
-  EXPECT_NE(Find(Inspect(SpanLog("BESTPOSA")), FileKind::kGnss), nullptr);
-  EXPECT_NE(Find(Inspect(SpanLog("BESTGPSPOSA")), FileKind::kGnss), nullptr);
+  EXPECT_NE(Find(InspectLog(SpanLog("BESTPOSA")), FileKind::kGnss), nullptr);
+  EXPECT_NE(Find(InspectLog(SpanLog("BESTGPSPOSA")), FileKind::kGnss), nullptr);
 }
 
 TEST(MessageLog, NmeaReplacesMissingPositions) {
   const std::string log =
       "$GPGGA,094942.00,4630.0,N,00630.0,E,4,12,0.8,450.0,M,50.0,M,1.0,0001\r\n" +
       InsPva(381000.0, "INS_SOLUTION_GOOD") + InsPva(381000.1, "INS_SOLUTION_GOOD");
-  const std::vector<FileContent> contents = Inspect(log);
+  const std::vector<FileContent> contents = InspectLog(log);
   ASSERT_NE(Find(contents, FileKind::kGnss), nullptr);
   EXPECT_EQ(Find(contents, FileKind::kGnss)->gnss_format, GnssFormat::kNmea);
 }
 
 TEST(MessageLog, OtherTextsAreNoLogs) {
-  const FileContent content = Inspect("#comment,1;2\n1 2 3 4\n2 2 3 4\n").front();
+  const FileContent content = InspectLog("#comment,1;2\n1 2 3 4\n2 2 3 4\n").front();
   EXPECT_EQ(content.kind, FileKind::kGnss);
   EXPECT_THAT(content.columns, IsEmpty());
 }

@@ -22,7 +22,7 @@ lidar: {gsd_m: 0.2}
 trajectory: {}
 )";
 
-std::string Row(const std::vector<double>& values) {
+std::string FormatRow(const std::vector<double>& values) {
   std::string row;
   for (const double value : values) row += (row.empty() ? "" : ", ") + FormatDouble(value);
   return row + "\n";
@@ -32,26 +32,28 @@ std::string Row(const std::vector<double>& values) {
 std::string StillImu(double t0_s, double t1_s) {
   std::string text;
   for (int i = 0; t0_s + 0.02 * i <= t1_s; ++i) {
-    text += Row({t0_s + 0.02 * i, 1e-5, -2e-5, 3e-5, 0.0, 0.0, -9.8});
+    text += FormatRow({t0_s + 0.02 * i, 1e-5, -2e-5, 3e-5, 0.0, 0.0, -9.8});
   }
   return text;
 }
 
 std::string StillGnss(double t0_s, double t1_s) {
   std::string text;
-  for (double t_s = t0_s; t_s <= t1_s; t_s += 1.0) text += Row({t_s, 46.5, 6.5, 400.0});
+  for (double t_s = t0_s; t_s <= t1_s; t_s += 1.0) text += FormatRow({t_s, 46.5, 6.5, 400.0});
   return text;
 }
 
 std::string StillTrajectory(double t0_s, double t1_s) {
   std::string text;
   for (double t_s = t0_s; t_s <= t1_s; t_s += 0.5) {
-    text += Row({t_s, 46.6, 6.6, 300.0, 1.0, 0.0, 0.0, 0.0});
+    text += FormatRow({t_s, 46.6, 6.6, 300.0, 1.0, 0.0, 0.0, 0.0});
   }
   return text;
 }
 
-std::string Pair(double t_i_s, double t_j_s) { return Row({t_i_s, t_j_s, 1, 2, 30, 3, 4, 30}); }
+std::string Pair(double t_i_s, double t_j_s) {
+  return FormatRow({t_i_s, t_j_s, 1, 2, 30, 3, 4, 30});
+}
 
 /// Writes a complete small flight: IMU 100..140 s, GNSS 95..145 s, trajectory 100..140 s, two
 /// pairs.
@@ -366,7 +368,7 @@ TEST(ReadFlight, KeepsTheGnssEpochsThatTheImuDataCoverToTheLastBit) {
     std::vector<double> t{t_s, 110.0, 120.0};
     std::sort(t.begin(), t.end());
     std::string gnss;
-    for (const double x : t) gnss += Row({x, 46.5, 6.5, 400.0});
+    for (const double x : t) gnss += FormatRow({x, 46.5, 6.5, 400.0});
     folder.Write("GPS.txt", gnss);
     return ReadFlight(folder.path(), kDn).gnss->epochs.size() == 3;
   };
@@ -404,8 +406,8 @@ TEST(ReadFlightErrors, AFileInMillisecondsIsNamed) {
                   "Divide it by 1000",
                   "LiDAR_p2p.txt");
   WriteFlight(folder);
-  std::string gnss = Row({0, 46.5, 6.5, 400.0});
-  for (int i = 95; i < 145; ++i) gnss += Row({1000.0 * i, 46.5, 6.5, 400.0});
+  std::string gnss = FormatRow({0, 46.5, 6.5, 400.0});
+  for (int i = 95; i < 145; ++i) gnss += FormatRow({1000.0 * i, 46.5, 6.5, 400.0});
   folder.Write("GPS.txt", gnss);
   ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); }, "is the time in milliseconds?",
                   "GPS.txt");
@@ -425,7 +427,7 @@ TEST(ReadFlightErrors, AnotherTimeZoneOrDayIsNamed) {
   const TempFolder folder;
   WriteFlight(folder);
   std::string gnss;
-  for (int i = 100; i < 140; ++i) gnss += Row({86400.0 + i, 46.5, 6.5, 400.0});
+  for (int i = 100; i < 140; ++i) gnss += FormatRow({86400.0 + i, 46.5, 6.5, 400.0});
   folder.Write("GPS.txt", gnss);
   ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); },
                   "inside 24 hours earlier: check the time zone and the day, or set "

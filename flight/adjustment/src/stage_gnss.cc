@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "gnss_fit.h"
+#include "gnss_step_trial.h"
 #include "network_at.h"
 #include "relinearisations.h"
 #include "robust_loss_of.h"
@@ -149,7 +150,7 @@ class EpochScreener {
     FlightNetwork& network = run_.network();
     Marginals marginals(network.net(), {.threads = run_.options().threads});
     marginals.ComputeSelectedInverse();
-    if (const auto misfit = ExplainGnssMisfit(network, marginals)) {
+    if (const auto misfit = Explain(marginals)) {
       if (misfit->cause != GnssMisfit::Cause::kClock) return Tell(*misfit);
       if (run_.has_swapped_network()) ExpectHope();
       FreeClock(misfit->estimate);
@@ -188,6 +189,14 @@ class EpochScreener {
     const double before = run_.has_swapped_network() ? held_.cost : now.cost;
     const double after = run_.has_swapped_network() ? free_.cost : now.cost;
     if (!adjustment_internal::ClockMayExplain(network, before, after)) FailFit(now.sigma0(), run_);
+  }
+
+  /// Returns the cause of a misfit. A step of the clock must be confirmed.
+  std::optional<GnssMisfit> Explain(const Marginals& marginals) {
+    const auto misfit = ExplainGnssMisfit(run_.network(), marginals, clock_may_step_);
+    if (!misfit || misfit->cause != GnssMisfit::Cause::kClockStep) return misfit;
+    clock_may_step_ = adjustment_internal::StepExplains(run_, *misfit);
+    return clock_may_step_ ? misfit : ExplainGnssMisfit(run_.network(), marginals, false);
   }
 
   /// Adds a warning and returns false. Throws InvalidInput if a clock steps, which no constant
@@ -299,6 +308,7 @@ class EpochScreener {
   std::set<FactorId> rejected_;
   double noise_ratio_ = 1.0;  // see GnssScreening::Apply
   bool restored_ = false;
+  bool clock_may_step_ = true;
   CostSummary held_, free_;  // with the assumed clock and with a free one, all epochs in use
 };
 

@@ -11,6 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "gnss_step_trial.h"
+
 namespace dn {
 namespace {
 
@@ -46,6 +48,33 @@ std::map<std::string, Misfit> ChannelMisfits(const Adjustment& adjustment, int t
     }
   }
   return misfits;
+}
+
+/// Makes the GNSS clock an unknown of a flight for as long as this object lives.
+class FreeClock {
+ public:
+  explicit FreeClock(FlightConfig* config) : config_(config), stated_(config->estimate) {}
+  ~FreeClock() { config_->estimate = stated_; }
+  FreeClock(const FreeClock&) = delete;
+  FreeClock& operator=(const FreeClock&) = delete;
+
+  void Free() { adjustment_internal::EstimateGnssClock(config_); }
+
+ private:
+  FlightConfig* config_;
+  std::vector<EstimateEntry> stated_;
+};
+
+/// Returns the misfits of an adjustment of the flight. A clock error that the adjustment finds
+/// becomes an unknown, since it would be taken for noise.
+std::map<std::string, Misfit> AdjustedMisfits(const Flight& flight, const AdjustOptions& options,
+                                              FreeClock* clock) {
+  Adjustment adjustment = Adjust(flight, options);
+  if (adjustment.gnss_clock) {
+    clock->Free();
+    adjustment = Adjust(flight, options);
+  }
+  return ChannelMisfits(adjustment, options.threads);
 }
 
 /// Sizes that one factor scales, because the same residuals show them.
@@ -179,11 +208,11 @@ void StartAtRawLevel(const ImuData& imu, ImuModel* model) {
 /// Returns the misfits with the start sizes, or with larger ones if the sensors contradict each
 /// other with those. Throws the first exception if they still do.
 std::map<std::string, Misfit> FirstMisfits(const Flight& flight, const AdjustOptions& options,
-                                           std::vector<ScaledSizes>* all) {
+                                           std::vector<ScaledSizes>* all, FreeClock* clock) {
   std::optional<SensorsContradict> first;
   for (int doublings = 0; doublings <= kMostDoublings; ++doublings) {
     try {
-      return ChannelMisfits(Adjust(flight, options), options.threads);
+      return AdjustedMisfits(flight, options, clock);
     } catch (const SensorsContradict& e) {
       if (!first) first.emplace(e);
       for (ScaledSizes& sizes : *all) sizes.Double();
@@ -201,8 +230,9 @@ bool HasUnknownNoise(const FlightConfig& config) {
 NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
   StartAtRawLevel(*flight->imu, &flight->config.imu->model);
   std::vector<ScaledSizes> all = EstimatedSizes(&flight->config);
+  FreeClock clock(&flight->config);
   NoiseSizes found;
-  std::map<std::string, Misfit> misfits = FirstMisfits(*flight, options, &all);
+  std::map<std::string, Misfit> misfits = FirstMisfits(*flight, options, &all, &clock);
   while (true) {
     ++found.rounds;
     double change = 0.0;
@@ -210,7 +240,7 @@ NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
     found.converged = change < kSmallestChange;
     if (found.converged || found.rounds == kMostRounds) break;
     try {
-      misfits = ChannelMisfits(Adjust(*flight, options), options.threads);
+      misfits = AdjustedMisfits(*flight, options, &clock);
     } catch (const SensorsContradict&) {
       for (ScaledSizes& sizes : all) sizes.GoBack();
       break;

@@ -169,7 +169,8 @@ struct Suspects {
   std::vector<EffectModel> effects;
 };
 
-Suspects AllSuspects(const FlightNetwork& network, const std::vector<ActivePosition>& positions) {
+Suspects AllSuspects(const FlightNetwork& network, const std::vector<ActivePosition>& positions,
+                     bool clock_may_step) {
   Suspects suspects;
   const auto add = [&](GnssMisfit::Cause cause, std::size_t first, EffectModel effect) {
     suspects.causes.push_back({cause, {}, 0.0, positions[first].edge});
@@ -181,7 +182,8 @@ Suspects AllSuspects(const FlightNetwork& network, const std::vector<ActivePosit
   const ClockModel clock(network);
   const bool unknown = IsUnknown(network, kOffset) && IsUnknown(network, kDrift);
   if (!unknown) add(GnssMisfit::Cause::kClock, 0, clock.both());
-  const std::size_t hop = std::max<std::size_t>(1, positions.size() / kClockSteps);
+  if (!clock_may_step) return suspects;
+  const std::size_t hop = StepSpacing(positions.size());
   for (std::size_t first = hop; first + kShortestRun <= positions.size(); first += hop) {
     add(GnssMisfit::Cause::kClockStep, first, clock.OffsetFrom(positions[first].edge));
   }
@@ -309,11 +311,15 @@ std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Margina
   return search.best();
 }
 
+std::size_t StepSpacing(std::size_t epochs) {
+  return std::max<std::size_t>(1, epochs / kClockSteps);
+}
+
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
-                                            const Marginals& marginals) {
+                                            const Marginals& marginals, bool clock_may_step) {
   const std::vector<ActivePosition> positions = ActivePositions(network, marginals.linearized());
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
-  const Suspects suspects = AllSuspects(network, positions);
+  const Suspects suspects = AllSuspects(network, positions, clock_may_step);
   const std::vector<ScoreTest> tests = TestEffects(marginals, suspects.effects);
   const double enough =
       std::max(kCertain * Scale(positions), kExplainedShare * Excess(marginals.linearized()));

@@ -43,7 +43,9 @@ bool HasUnknownNoise(const FlightConfig& config);
 /// with a new adjustment in each round. gnss.sigma_scale does not fall below its start value: the
 /// residuals do not show errors that positions share over minutes.
 ///
-/// If the sensors contradict each other with the start sizes, larger ones are tried first.
+/// If the sensors contradict each other with the start sizes, larger ones are tried first. If the
+/// adjustment finds that the GNSS clock is off (Adjustment::gnss_clock), offset and drift of the
+/// clock are unknowns while the noise is estimated; the `estimate` of the flight does not change.
 ///
 /// Throws as Adjust does.
 NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight);

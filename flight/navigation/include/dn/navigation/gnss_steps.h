@@ -40,6 +40,9 @@ struct GnssMisfit {
   std::size_t first = 0;  ///< index into FlightNetwork::gnss().edges()
 };
 
+/// Returns the number of epochs between two places where a step of the clock is tested.
+std::size_t StepSpacing(std::size_t epochs);
+
 /// Returns the single cause of the misfit of the GNSS positions and velocities, from score tests,
 /// or nullopt if no test is decisive.
 ///
@@ -48,8 +51,9 @@ struct GnssMisfit {
 /// explain at least half of the excess of the squared residuals. It must also move a GNSS epoch by
 /// more than four sigmas. A smaller effect may be part of slow GNSS drift. An offset with a drift
 /// need not fulfil this: estimating them does no harm, and other causes are then judged better.
-/// Causes that are already estimated are not tested.
+/// Causes that are already estimated are not tested, nor are steps unless `clock_may_step`. The
+/// estimate of a step is of first order in time: an adjustment with corrected tags must confirm it.
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
-                                            const Marginals& marginals);
+                                            const Marginals& marginals, bool clock_may_step = true);
 
 }  // namespace dn

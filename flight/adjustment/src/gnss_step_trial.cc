@@ -1,0 +1,92 @@
+#include "gnss_step_trial.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
+#include <dn/solvers/marginals.h>
+#include <dn/solvers/solve.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace dn::adjustment_internal {
+namespace {
+
+constexpr double kExplainedShare = 0.5;
+constexpr int kMostTrials = 4;
+
+/// A step of the tags of the GNSS epochs. The epochs near it may lie on either side.
+struct TagStep {
+  std::size_t first_unsure, first_after;  // indices of epochs
+  double step_s;
+};
+
+TagStep FindTagStep(const FlightNetwork& network, const GnssMisfit& step) {
+  const std::vector<GnssEdge>& edges = network.gnss().edges();
+  const std::size_t unsure = StepSpacing(edges.size());
+  return {edges[step.first - std::min(step.first, unsure)].epoch,
+          edges[std::min(step.first + unsure, edges.size() - 1)].epoch, step.estimate[0]};
+}
+
+// Returns the epochs with their tags corrected, without those that are unsure or that the
+// correction moves behind others.
+std::vector<MapGnssEpoch> CorrectedEpochs(const std::vector<MapGnssEpoch>& epochs,
+                                          const TagStep& step) {
+  std::vector<MapGnssEpoch> corrected(
+      epochs.begin(), epochs.begin() + static_cast<std::ptrdiff_t>(step.first_unsure));
+  for (std::size_t e = step.first_after; e < epochs.size(); ++e) {
+    MapGnssEpoch epoch = epochs[e];
+    epoch.t_s -= step.step_s;
+    if (corrected.empty() || epoch.t_s > corrected.back().t_s) corrected.push_back(epoch);
+  }
+  return corrected;
+}
+
+double Excess(FlightNetwork& network, int threads) {
+  const CostSummary cost = EvaluateCost(network.net(), threads);
+  return 2.0 * cost.cost - static_cast<double>(cost.redundancy());
+}
+
+// Solves the INS/GNSS network of the corrected flight. Returns its excess and the step that is
+// left, in s; 0 if there is none.
+std::pair<double, double> Try(const Flight& flight, const AdjustOptions& options) {
+  AdjustmentRun trial(flight, options);
+  MakeNetwork(trial);
+  SolveInsGnss(trial);
+  SettleGnssClock(trial);
+  Marginals marginals(trial.network().net(), {.threads = options.threads});
+  marginals.ComputeSelectedInverse();
+  const auto left = ExplainGnssMisfit(trial.network(), marginals);
+  const bool steps = left && left->cause == GnssMisfit::Cause::kClockStep;
+  return {Excess(trial.network(), options.threads), steps ? left->estimate[0] : 0.0};
+}
+
+}  // namespace
+
+void EstimateGnssClock(FlightConfig* config) {
+  for (const EffectId id : {EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift}) {
+    const bool is_unknown = std::ranges::any_of(
+        config->estimate, [&](const EstimateEntry& entry) { return IsEffect(entry.unknown, id); });
+    if (!is_unknown) config->estimate.push_back({.unknown = EffectName(id)});
+  }
+}
+
+bool StepExplains(AdjustmentRun& run, const GnssMisfit& misfit) {
+  Flight flight = run.flight();
+  if (run.has_swapped_network()) EstimateGnssClock(&flight.config);
+  const double before = Excess(run.network(), run.options().threads);
+  TagStep step = FindTagStep(run.network(), misfit);
+  try {
+    for (int k = 0; k < kMostTrials; ++k) {
+      flight.gnss->epochs = CorrectedEpochs(run.flight().gnss->epochs, step);
+      const auto [excess, left_s] = Try(flight, run.options());
+      if (excess < kExplainedShare * before) return true;
+      if (left_s == 0.0) return false;
+      step.step_s += left_s;
+    }
+  } catch (const InvalidInput&) {  // the corrected data do not fit at all
+  }
+  return false;
+}
+
+}  // namespace dn::adjustment_internal
