@@ -304,7 +304,7 @@ void PrintHints(const Flight& flight, const DataAgreement& agreement, Json* json
 void SummariseStrips(const std::vector<std::filesystem::path>& files, const FlightConfig& config,
                      Json* json) {
   const std::string& crs = config.strips_crs;
-  fmt::print("strips          {} in {}\n", files.size(), crs);
+  fmt::print("strips          {} in {}\n", files.size(), ShownCrsName(crs));
   Json list = Json::array();
   for (const std::filesystem::path& file : files) {
     const auto reader = OpenStrip(file);

@@ -290,7 +290,8 @@ std::string FlightDraft::ImuText() const {
                       axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");
   text += OffsetText(imu_offset_s_);
   text += fmt::format(
-      "  # smooth, calibrate and gap estimate the noise from the flight. They start at the figures\n"
+      "  # smooth, calibrate and gap estimate the noise from the flight. They start at the "
+      "figures\n"
       "  # below. With a data sheet, state its figures and remove this line, or name a preset.\n"
       "  grade: unknown\n"
       "  # White noise: {}, times {:g}.\n"

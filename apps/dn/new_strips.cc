@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "interruption.h"
+#include "strip_differences.h"
 
 namespace dn::apps {
 namespace {
@@ -46,7 +47,8 @@ Json StripJson(const std::string& name, const StripCrs& crs, const Georeferenced
 
 /// Georeferences one strip, stages the new file and returns the strip's report entry.
 Json RegeoreferenceStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
-                         const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
+                         const std::string& strips_crs, std::vector<Swath>* swaths,
+                         std::vector<StripSurfaces>* surfaces, Run& run) {
   const std::string name = file.filename().string();
   const std::string stage = "strip " + name;
   run.progress().Stage(stage);
@@ -68,8 +70,16 @@ Json RegeoreferenceStrip(const StripGeoreferencer& georeferencer, const fs::path
   const std::string assumed = VectorWarning(strip.origin, name);
   if (!assumed.empty()) run.progress().Warn(assumed);
   strip.swath.strip = file.stem().string();
+  surfaces->push_back(
+      {strip.swath.strip, std::move(strip.surface_before), std::move(strip.surface_after)});
   swaths->push_back(std::move(strip.swath));
   return StripJson(name, crs, strip);
+}
+
+// A cell of four ground sampling distances contains some sixteen points.
+double SurfaceCell(const LidarConfig& lidar) {
+  constexpr double kSmallestCellM = 2.0, kCellInGsd = 4.0;
+  return std::max(kSmallestCellM, kCellInGsd * lidar.gsd_m.value_or(0.0));
 }
 
 void AddCounts(const Json& strip, Json* counts) {
@@ -84,7 +94,8 @@ void AddCounts(const Json& strip, Json* counts) {
 void Print(const FlightConfig& config, const Vector3d& boresight_rad, const Json& strips) {
   const Vector3d boresight_deg = boresight_rad * kDegPerRad;
   fmt::print("flight {}, boresight {:.6f} {:.6f} {:.6f} deg, points in {}\n", config.name,
-             boresight_deg.x(), boresight_deg.y(), boresight_deg.z(), config.strips_crs);
+             boresight_deg.x(), boresight_deg.y(), boresight_deg.z(),
+             ShownCrsName(config.strips_crs));
   fmt::print("  {:<24} {:>12} {:>12} {:>10} {:>10}  {}\n", "strip", "kept", "dropped", "moved rms",
              "max [m]", "laser vectors");
   for (const Json& strip : strips) {
@@ -117,6 +128,7 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
   options.mounting = config.lidar->mounting;
   options.time_span_s = config.time_span_s;
   options.time_offset_s = config.lidar->time_offset_s;
+  options.surface_cell_m = SurfaceCell(*config.lidar);
   options.threads = threads;
   return options;
 }
@@ -126,29 +138,32 @@ void GeoreferenceStrips(NewStrips work, Run& run) {
   const FlightConfig& config = work.config;
   const std::vector<fs::path> files = RequireStripFiles(config.folder);
   const Vector3d boresight_rad = work.options.mounting.boresight_rad;
-  const StripGeoreferencer georeferencer(std::move(work.options), work.frame,
-                                         PointCrs(config.strips_crs, work.frame));
+  const PointCrs crs(config.strips_crs, work.frame);
+  const StripGeoreferencer georeferencer(std::move(work.options), work.frame, crs);
   Json strips = Json::array();
   std::vector<Swath> swaths;
+  std::vector<StripSurfaces> surfaces;
   Json& counts = run.report()["counts"];
   for (const fs::path& file : files) {
-    strips.push_back(RegeoreferenceStrip(georeferencer, file, config.strips_crs, &swaths, run));
+    strips.push_back(
+        RegeoreferenceStrip(georeferencer, file, config.strips_crs, &swaths, &surfaces, run));
     AddCounts(strips.back(), &counts);
   }
-  run.AddFile(
-      "georef.json",
-      FormatJson({{"schema", "dn.georef/1"},
-                  {"flight", config.name},
-                  {"strips_crs", config.strips_crs},
-                  {"trajectory", config.trajectory->file},
-                  {"boresight_deg", AnglesInDegrees(boresight_rad)},
-                  {"boresight_before_deg", AnglesInDegrees(config.lidar->mounting.boresight_rad)},
-                  {"covariance", work.covariance},
-                  {"strips", strips}}));
+  Print(config, boresight_rad, strips);
+  Json georef = {{"schema", "dn.georef/1"},
+                 {"flight", config.name},
+                 {"strips_crs", config.strips_crs},
+                 {"trajectory", config.trajectory->file},
+                 {"boresight_deg", AnglesInDegrees(boresight_rad)},
+                 {"boresight_before_deg", AnglesInDegrees(config.lidar->mounting.boresight_rad)},
+                 {"covariance", work.covariance},
+                 {"strips", strips}};
+  const Json differences = CompareStrips(surfaces, crs, &run);
+  if (!differences.empty()) georef["strip_differences"] = differences;
+  run.AddFile("georef.json", FormatJson(georef));
   if (!HasName(run.files().staged(), "swaths.json")) {
     run.AddFile("swaths.json", FormatSwaths(swaths));
   }
-  Print(config, boresight_rad, strips);
 }
 
 }  // namespace dn::apps

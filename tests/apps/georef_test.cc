@@ -6,10 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "damaged_flight.h"
 #include "page_numbers.h"
+#include "strip_scenario.h"
 #include "testing/las_bytes.h"
+#include "testing/temp_folder.h"
 
 namespace dn::testing::apps_test {
 
@@ -186,6 +189,32 @@ TEST(CliGeoref, AnotherTrajectoryMovesThePoints) {
 void ExpectFailure(const ProgramRun& run, int exit_code, const std::string& what) {
   EXPECT_EQ(run.exit_code, exit_code) << run.err;
   EXPECT_THAT(run.err, HasSubstr(what));
+}
+
+TEST(CliGeoref, StripsAreComparedOnFlatGround) {
+  const TempFolder folder;
+  const auto in = [&](const std::string& name) { return (folder.path() / name).string(); };
+  folder.Write("town.yaml", StripScenario("kind: built_up, roughness_m: 0.03"));
+  ASSERT_EQ(RunProgram({"simulate", in("town.yaml"), "--out", in("flight")}).exit_code, 0);
+  const ProgramRun run =
+      RunProgram({"georef", in("flight"), "--boresight", "0.2,0.03,0.35", "--trajectory",
+                  in("flight/reference.out"), "--out", in("out")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("height differences of strips on flat ground"));
+  const Json pair = LoadJson(in("out/georef.json"))["strip_differences"][0];
+  EXPECT_EQ(pair["strips"], Json({"1", "2"}));
+  EXPECT_GT(pair["after"]["cells"].get<int>(), 500);
+  EXPECT_LT(pair["after"]["rms_m"].get<double>(), 0.05);
+  EXPECT_GT(pair["before"]["rms_m"].get<double>(), 2.0 * pair["after"]["rms_m"].get<double>());
+  EXPECT_LT(std::abs(pair["after"]["median_m"].get<double>()), 0.01);
+  std::istringstream raster(FileContent(in("out/" + pair["raster"].get<std::string>())));
+  std::string word;
+  long columns = 0, rows = 0, numbers = 0, cells = 0;
+  raster >> word >> columns >> word >> rows;
+  for (int k = 0; k < 8; ++k) raster >> word;
+  for (double value = 0.0; raster >> value; ++numbers) cells += value > -9999.0 ? 1 : 0;
+  EXPECT_EQ(numbers, columns * rows);
+  EXPECT_NEAR(cells, pair["after"]["cells"].get<double>(), 0.02 * numbers);
 }
 
 TEST(CliGeoref, WhatIsMissingIsNamed) {

@@ -242,6 +242,21 @@ TEST_F(GeoreferenceStrip, AnotherClockIsNamed) {
   }
 }
 
+// After a turn the distance of the points gives less than the 18 s of UTC.
+TEST_F(GeoreferenceStrip, AboutEighteenSecondsAreUtc) {
+  const std::vector<double> epochs_s = Epochs(2000, kBegin_s + 1.0, 0.009);
+  std::string las = Las(survey_, PointCrs("map", survey_.motion.frame), epochs_s);
+  const std::size_t begin = las.size() - 30 * epochs_s.size();
+  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
+    LasBytes::Put(epochs_s[i] - 16.8, begin + 30 * i + 22, &las);
+  }
+  folder_.Write("strip.las", las);
+  GeoreferenceOptions options = survey_.Options();
+  options.trajectory = survey_.Flown(kBegin_s - 20.0, kEnd_s);
+  ExpectInvalidIn([&] { Run(options, "map", "strip.las"); },
+                  "18 s early: are they in UTC? Set lidar.time_offset_s: -18", "strip.las");
+}
+
 TEST_F(GeoreferenceStrip, ANewTrajectoryTakesTheVectorsOfTheOldOne) {
   const PointCrs crs("map", survey_.motion.frame);
   const std::vector<double> epochs_s = Epochs(20);

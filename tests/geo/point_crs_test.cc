@@ -134,6 +134,7 @@ TEST(PointCrs, ThreadsShareASystem) {
 
 TEST(CrsNames, OfCodesAndText) {
   EXPECT_EQ(NameCrs("EPSG:32632").name, "utm:32n");
+  EXPECT_EQ(NameCrs("EPSG:3044").name, "utm:32n");  // northing first, but not in point clouds
   EXPECT_EQ(NameCrs("EPSG:2056").name, "epsg:2056");
   EXPECT_EQ(NameCrs("EPSG:4326").name, "");
   EXPECT_EQ(NameCrs("EPSG:2227", 1200.0 / 3937.0).name, "epsg:2227 heights:us-ft");
@@ -165,6 +166,7 @@ TEST(CrsNames, WellKnownTextWithoutCodes) {
   EXPECT_EQ(NameCrs(albers(-120.0, -4e6)).name, "epsg:3310");
   const NamedCrs own = NameCrs(albers(-119.0, -4.2e6));
   ASSERT_TRUE(own.name.starts_with("wkt:")) << own.name;
+  EXPECT_EQ(ShownCrsName(own.name), "\"NAD83 / California Albers\"");
   const PointCrs crs(own.name, kSierra);
   const Vector3d p_c = crs.FromMap(Vector3d::Zero());
   EXPECT_NEAR(p_c.x(), 0.0, 1e-6);  // the origin of the frame is on the central meridian

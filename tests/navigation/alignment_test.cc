@@ -163,6 +163,27 @@ TEST(Alignment, StaticStartWithNavigationGrade) {
   ExpectAligned(sim.flight, *sim.truth, alignment);
 }
 
+// The second differences of positions with errors of metres need long spacings, of which the drift
+// of these gyros leaves room for two.
+TEST(Alignment, MovingStartWithMetresOfGnssNoiseAndAPoorGyro) {
+  SimulatedFlight sim = Fly(DroneScenario(), 6);
+  Random random(7, "positions");
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) {
+    epoch.p_m += 2.0 * random.Normal3();
+    epoch.covariance_enu_m2 = Eigen::Matrix3d(4.0 * Eigen::Matrix3d::Identity());
+  }
+  BiasProcess bias;
+  bias.type = BiasProcess::Type::kRandomConstant;
+  bias.sigma = RadpsFromDegPerHour(1000.0);
+  sim.flight.config.imu->model.gyro.processes.push_back(bias);
+  const Alignment alignment = AlignAtGnss(sim.flight);
+  const FilterState& last = alignment.run.last;
+  const Eigen::Vector3d up_b = last.pose.q_mb.conjugate() * Eigen::Vector3d::UnitZ();
+  const double sigma = std::sqrt(up_b.dot(last.covariance.topLeftCorner<3, 3>() * up_b));
+  EXPECT_LT(std::abs(HeadingError(last.pose, *sim.truth)), kSigmas * sigma);
+  EXPECT_LT(sigma, 10.0 * kRadPerDeg);
+}
+
 TEST(Alignment, TooFewEpochsAreNamed) {
   SimulatedFlight sim = Fly(DroneScenario(), 1);
   sim.flight.gnss->epochs.resize(2);

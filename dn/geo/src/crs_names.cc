@@ -41,6 +41,8 @@ std::string ShortName(int epsg) {
     return epsg - zone == first && zone >= from && zone <= to;
   };
   if (epsg == 4978 || epsg == 4936) return "ecef";
+  // These have the northing first. In point clouds, x is the easting all the same.
+  if (epsg >= 3038 && epsg <= 3051) return UtmName(epsg - 3012, false);
   if (utm(32600, 1, 60)) return UtmName(zone, false);
   if (utm(32700, 1, 60)) return UtmName(zone, true);
   if (utm(25800, 28, 38) || utm(26900, 1, 23)) return UtmName(zone, false);
@@ -121,6 +123,16 @@ std::string ShortCrsName(const std::string& name) {
   if (!one_code) return name;
   const std::string known = geo_internal::ShortName(std::stoi(parts.system.substr(5)));
   return known.empty() ? name : known + name.substr(parts.system.size());
+}
+
+std::string ShownCrsName(const std::string& name) {
+  if (!name.starts_with("wkt:")) return name;
+  const CrsName parts = SplitCrsName(name);
+  const std::size_t begin = parts.system.find('"');
+  if (begin == std::string::npos) return name;
+  const std::size_t end = parts.system.find('"', begin + 1);
+  return parts.system.substr(begin, end == std::string::npos ? end : end + 1 - begin) +
+         name.substr(parts.system.size());
 }
 
 bool IsSameCrs(const std::string& a, const std::string& b) {

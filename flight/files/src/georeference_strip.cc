@@ -62,6 +62,10 @@ class StripGeoreferencer::Work {
  public:
   Work(const Setup& setup, const fs::path& in)
       : setup_(setup), in_(in), reader_(OpenStrip(in)), clock_(reader_->has_vectors()) {
+    if (setup_.options.surface_cell_m) {
+      before_.emplace(*setup_.options.surface_cell_m);
+      after_.emplace(*setup_.options.surface_cell_m);
+    }
     files_internal::ExpectTimes(*reader_, in);
     result_.origin = FindVectorOrigin(*reader_, setup_.options.made_with, in_);
     made_with_ = setup_.options.made_with.mounting;
@@ -82,6 +86,8 @@ class StripGeoreferencer::Work {
     result_.shift_rms_m = std::sqrt(shift2_m2_ / static_cast<double>(result_.kept));
     writer->Finish();
     result_.swath = {"", Line(), outline_.Corners()};
+    if (before_) result_.surface_before = before_->Flat();
+    if (after_) result_.surface_after = after_->Flat();
     return result_;
   }
 
@@ -159,6 +165,8 @@ class StripGeoreferencer::Work {
       }
       ++result_.kept;
       outline_.Add(points.t_s[i], p_m_[i]);
+      if (before_) before_->Add(old_m_[i]);
+      if (after_) after_->Add(p_m_[i]);
       shift2_m2_ += shifts_m_[i] * shifts_m_[i];
       result_.shift_max_m = std::max(result_.shift_max_m, shifts_m_[i]);
       if (result_.kept % files_internal::StripClock::kPointsPerSample == 1)
@@ -193,6 +201,7 @@ class StripGeoreferencer::Work {
   std::vector<Vector3d> p_m_, old_m_;
   files_internal::StripClock clock_;
   SwathOutline outline_;
+  std::optional<StripSurface> before_, after_;
 };
 
 StripGeoreferencer::StripGeoreferencer(GeoreferenceOptions options, const LocalFrame& frame,

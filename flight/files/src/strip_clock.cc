@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kLeastClockSpeedMps = 3.0, kFewestPoints = 10.0;
 constexpr double kLeastOffsetS = 0.5;
+// GPS time minus UTC since 2017. A strip begins soon after a turn, so that a large offset follows
+// from its points to some 15 % only.
+constexpr double kLeapSeconds = 18.0, kOffsetTolerance = 0.15;
 // No mounting is wrong by more, and no scanner looks more forward.
 const double kLargestMounting = std::tan(10.0 / 180.0 * std::numbers::pi);
 const double kLargestLook = std::tan(30.0 / 180.0 * std::numbers::pi);
@@ -56,7 +59,9 @@ std::optional<double> StripClock::Offset() const {
   if (spread_m > kMostSpread * std::abs(along_m) || std::abs(along_m) < most_m ||
       std::abs(along_m) < kAlongCourse * apart_m)
     return std::nullopt;
-  return std::abs(offset_s) >= kLeastOffsetS ? std::optional(offset_s) : std::nullopt;
+  if (std::abs(offset_s) < kLeastOffsetS) return std::nullopt;
+  const double leap_s = std::copysign(kLeapSeconds, offset_s);
+  return std::abs(offset_s - leap_s) < kOffsetTolerance * kLeapSeconds ? leap_s : offset_s;
 }
 
 }  // namespace dn::files_internal

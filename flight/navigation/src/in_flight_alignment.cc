@@ -14,6 +14,10 @@ namespace {
 constexpr double kSecondDifferenceMps2 = 0.1;
 // Largest ratio of neighbouring spacings for which this noise is still a good approximation.
 constexpr double kMostUneven = 2.0;
+// A span must contain this many spacings. If the noise asks for longer ones, the tilts still follow
+// from gravity, and sigma_heading_rad says how much of the heading is known.
+constexpr double kFewestSpacings = 6.0;
+constexpr double kShortestSpacingS = 1.0;
 
 }  // namespace
 
@@ -29,7 +33,7 @@ std::vector<Antenna> AntennaTrack(const Flight& flight, const TimeInterval& span
 
 double AlignmentSpacing(const Flight& flight) {
   const double sigma_m = TypicalGnssSigma(flight);
-  return std::max(1.0, std::sqrt(std::sqrt(6.0) * sigma_m / kSecondDifferenceMps2));
+  return std::max(kShortestSpacingS, std::sqrt(std::sqrt(6.0) * sigma_m / kSecondDifferenceMps2));
 }
 
 InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const ImuCorrection& bias) {
@@ -37,7 +41,9 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   const LocalFrame& frame = flight.frame;
   const Eigen::Vector3d l_b = flight.config.gnss->lever_arm_b_m;
   const double sigma_m = TypicalGnssSigma(flight);
-  const double spacing_s = AlignmentSpacing(flight);
+  const double spacing_s =
+      std::max(kShortestSpacingS,
+               std::min(AlignmentSpacing(flight), (span.t1_s - span.t0_s) / kFewestSpacings));
   Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
   double horizontal2 = 0.0, squares = 0.0;
   int used = 0;

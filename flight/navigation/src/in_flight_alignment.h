@@ -21,7 +21,7 @@ struct Antenna {
 std::vector<Antenna> AntennaTrack(const Flight& flight, const TimeInterval& span);
 
 /// Returns the spacing of the antenna positions in the second differences of AlignInFlight, s. It
-/// is chosen so that their noise is 0.1 m/s^2, and is at least 1 s.
+/// is chosen so that their noise is 0.1 m/s^2, and is at least 1 s. Short spans use a shorter one.
 double AlignmentSpacing(const Flight& flight);
 
 /// Attitude at the start of a time span of a flight.

@@ -24,6 +24,9 @@ bool IsPointCrsName(const std::string& name);
 /// stay as they are.
 std::string ShortCrsName(const std::string& name);
 
+/// Returns a name for people: of a system that is given as text (wkt:), the name in that text.
+std::string ShownCrsName(const std::string& name);
+
 /// Returns true if both names mean the same system.
 bool IsSameCrs(const std::string& a, const std::string& b);
 

@@ -5,6 +5,7 @@
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/mounting.h>
+#include <dn/lidar/strip_surface.h>
 #include <dn/lidar/swath.h>
 
 #include <Eigen/Core>
@@ -41,6 +42,8 @@ struct GeoreferenceOptions {
   /// Offset of the time tags, tag = t + value; the tags are not changed.
   double time_offset_s = 0.0;
   std::optional<StripErrors> errors;  ///< absent: no covariances
+  /// Side of the cells of the surfaces, m; absent: no surfaces.
+  std::optional<double> surface_cell_m;
   int threads = 1;
 };
 
@@ -54,6 +57,8 @@ struct GeoreferencedStrip {
   double shift_rms_m = 0.0;  ///< shift of the remaining points by the new coordinates
   double shift_max_m = 0.0;
   Swath swath;  ///< outline of the new points; the name is empty
+  /// Flat ground of the points as they were and as they are now; empty without surface_cell_m.
+  FlatSurface surface_before, surface_after;
 };
 
 /// Recomputes the coordinates of points:
@@ -76,7 +81,7 @@ class StripGeoreferencer {
   /// other content is kept. Points outside the trajectory, in its gaps or outside the time span are
   /// dropped and counted. `progress` is called with the number of points read after each chunk. It
   /// may throw to stop the work; then there is no output file. The memory does not grow with the
-  /// file.
+  /// file, except for the cells of the surfaces.
   ///
   /// Throws InvalidInput like OpenStrip, and for a file without points or GPS time. Also throws for
   /// coordinates outside the coordinate system, and if no point remains (with both spans).

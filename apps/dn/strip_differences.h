@@ -1,0 +1,25 @@
+#pragma once
+
+#include <dn/geo/point_crs.h>
+#include <dn/lidar/strip_surface.h>
+#include <dn/report/json.h>
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+
+namespace dn::apps {
+
+/// Flat ground of a strip before and after its points were computed anew.
+struct StripSurfaces {
+  std::string strip;
+  FlatSurface before, after;
+};
+
+/// Compares all pairs of strips that have at least ten cells in common. Prints a table, writes the
+/// differences after as rasters differences/A-B.asc (second minus first, m, in the system of the
+/// points), and returns the list for georef.json. Returns an empty list if no strips overlap.
+Json CompareStrips(const std::vector<StripSurfaces>& strips, const PointCrs& crs, Run* run);
+
+}  // namespace dn::apps
