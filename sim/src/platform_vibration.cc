@@ -13,13 +13,13 @@ namespace {
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // Frequencies of the slow changes of an engine's speed.
 constexpr double kWanderLowHz = 0.02, kWanderHighHz = 0.3;
-constexpr int kWanderWaves = 4;
+constexpr int kWanderWaves = 3;
 // The highest frequency allows for wander of this many times its rms.
 constexpr double kWanderSigmas = 3.0;
-constexpr int kResonanceTones = 24, kBandTones = 64;
+constexpr int kResonanceTones = 24, kBandTones = 40;
 // Number of different wanders of the tones of a continuum. The wander is slower by this factor than
 // the width of the interval of a tone.
-constexpr std::size_t kContinuumWanders = 4;
+constexpr std::size_t kContinuumWanders = 2;
 constexpr double kSlowness = 3.0;
 // Frequencies of a resonance relative to its peak, as far as it is simulated.
 constexpr double kResonanceLow = 0.25, kResonanceHigh = 3.0;

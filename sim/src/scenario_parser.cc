@@ -89,7 +89,8 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   plan.warm_up_s = ReadNotNegativeOr(s["warm_up_s"], 0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
   if (s["lines"]) {
-    for (const YamlValue& row : s["lines"].List(kMostLines)) plan.lines.push_back(ReadPlannedLine(row));
+    for (const YamlValue& row : s["lines"].List(kMostLines))
+      plan.lines.push_back(ReadPlannedLine(row));
   }
   const double bank_deg = ReadPositiveOr(s["bank_deg"], 25.0);
   if (bank_deg > 60.0) s["bank_deg"].Fail("must be at most 60");

@@ -89,10 +89,10 @@ TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
 
 // Taken for noise, this clock makes the gyros several times noisier.
 TEST(UnknownNoise, AClockErrorIsNoNoise) {
-  SimulatedFlight sim = FlyUnknown(
-      testing::DroneScenario("effects: [{effect: gnss_time_offset, value: 0.05}, "
-                             "{effect: gnss_time_drift, value: 200}]\n"),
-      3);
+  SimulatedFlight sim =
+      FlyUnknown(testing::DroneScenario("effects: [{effect: gnss_time_offset, value: 0.05}, "
+                                        "{effect: gnss_time_drift, value: 200}]\n"),
+                 3);
   const auto sizes = ByName(EstimateNoise({}, &sim.flight));
   const double truth = testing::DroneScenario().imu.model.gyro.white;
   const double found = RadPerSqrtSFromDegPerSqrtHour(sizes.at("imu.gyro.white").value);
