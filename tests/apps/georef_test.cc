@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "damaged_flight.h"
+#include "load_json.h"
 #include "page_numbers.h"
 #include "strip_scenario.h"
 #include "testing/las_bytes.h"

@@ -197,6 +197,18 @@ TEST(Alignment, NoEpochsEvenEnoughAndNotAtRestIsSaid) {
   testing::ExpectInvalid([&] { AlignAtGnss(sim.flight); }, "initial_guess", 0);
 }
 
+TEST(Alignment, SpanLeavesOutShortPiecesBeforeAGap) {
+  SimulatedFlight sim = Fly(DroneScenario(), 3);
+  ImuData& imu = *sim.flight.imu;
+  const TimeInterval whole = NetworkSpan(sim.flight, false);
+  imu.gaps = {{whole.t0_s + 15.0, whole.t0_s + 15.5}};
+  EXPECT_EQ(NetworkSpan(sim.flight, false).t0_s, whole.t0_s);
+  imu.gaps = {{whole.t0_s + 1.0, whole.t0_s + 1.2}, {whole.t1_s - 2.0, whole.t1_s - 1.5}};
+  const TimeInterval useful = NetworkSpan(sim.flight, false);
+  EXPECT_GE(useful.t0_s, imu.gaps.front().t_end_s);
+  EXPECT_LE(useful.t1_s, imu.gaps.back().t_begin_s);
+}
+
 TEST(Alignment, SpanIncludesThePairs) {
   SimulatedFlight sim = Fly(DroneScenario(), 1);
   const TimeInterval gnss = NetworkSpan(sim.flight, true);

@@ -2,6 +2,7 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
+#include <dn/interrupted.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 
@@ -42,23 +43,28 @@ std::vector<MapGnssEpoch> CorrectedEpochs(const std::vector<MapGnssEpoch>& epoch
   return corrected;
 }
 
+// Returns the excess of the squared residuals over their expectation.
 double Excess(FlightNetwork& network, int threads) {
   const CostSummary cost = EvaluateCost(network.net(), threads);
   return 2.0 * cost.cost - static_cast<double>(cost.redundancy());
 }
 
-// Solves the INS/GNSS network of the corrected flight. Returns its excess and the step that is
-// left, in s; 0 if there is none.
-std::pair<double, double> Try(const Flight& flight, const AdjustOptions& options) {
-  AdjustmentRun trial(flight, options);
-  MakeNetwork(trial);
-  SolveInsGnss(trial);
-  SettleGnssClock(trial);
-  Marginals marginals(trial.network().net(), {.threads = options.threads});
+/// An INS/GNSS network of corrected tags.
+struct Trial {
+  double excess;
+  double left_s;  ///< step that is left, 0 if there is none
+};
+
+Trial Try(const Flight& flight, const AdjustOptions& options) {
+  AdjustmentRun run(flight, options);
+  MakeNetwork(run);
+  SolveInsGnss(run);
+  SettleGnssClock(run);
+  Marginals marginals(run.network().net(), {.threads = options.threads});
   marginals.ComputeSelectedInverse();
-  const auto left = ExplainGnssMisfit(trial.network(), marginals);
+  const auto left = ExplainGnssMisfit(run.network(), marginals);
   const bool steps = left && left->cause == GnssMisfit::Cause::kClockStep;
-  return {Excess(trial.network(), options.threads), steps ? left->estimate[0] : 0.0};
+  return {Excess(run.network(), options.threads), steps ? left->estimate[0] : 0.0};
 }
 
 }  // namespace
@@ -74,17 +80,25 @@ void EstimateGnssClock(FlightConfig* config) {
 bool StepExplains(AdjustmentRun& run, const GnssMisfit& misfit) {
   Flight flight = run.flight();
   if (run.has_swapped_network()) EstimateGnssClock(&flight.config);
-  const double before = Excess(run.network(), run.options().threads);
   TagStep step = FindTagStep(run.network(), misfit);
+  const auto try_step = [&](double step_s) {
+    step.step_s = step_s;
+    flight.gnss->epochs = CorrectedEpochs(run.flight().gnss->epochs, step);
+    return Try(flight, run.options());
+  };
   try {
+    const double without = try_step(0.0).excess;
+    const double least_gain = kExplainedShare * std::max(without, misfit.statistic);
+    double step_s = misfit.estimate[0];
     for (int k = 0; k < kMostTrials; ++k) {
-      flight.gnss->epochs = CorrectedEpochs(run.flight().gnss->epochs, step);
-      const auto [excess, left_s] = Try(flight, run.options());
-      if (excess < kExplainedShare * before) return true;
-      if (left_s == 0.0) return false;
-      step.step_s += left_s;
+      const Trial trial = try_step(step_s);
+      if (without - trial.excess > least_gain) return true;
+      if (trial.left_s == 0.0) return false;
+      step_s += trial.left_s;
     }
-  } catch (const InvalidInput&) {  // the corrected data do not fit at all
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error&) {  // the corrected data do not fit at all
   }
   return false;
 }

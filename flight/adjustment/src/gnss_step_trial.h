@@ -11,8 +11,8 @@ void EstimateGnssClock(FlightConfig* config);
 
 /// Returns whether a step of the GNSS clock, found to first order, is the cause of a misfit. The
 /// tags are corrected from the step on, and the INS/GNSS network of these tags is solved, several
-/// times if a part of the step is left. It must have at most half of the excess of the squared
-/// residuals.
+/// times if a part of the step is left. The squared residuals must fall by half of their excess,
+/// and by half of what the test of the step predicts.
 bool StepExplains(AdjustmentRun& run, const GnssMisfit& misfit);
 
 }  // namespace dn::adjustment_internal

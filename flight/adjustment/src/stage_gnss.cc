@@ -193,13 +193,13 @@ class EpochScreener {
 
   /// Returns the cause of a misfit. A step of the clock must be confirmed.
   std::optional<GnssMisfit> Explain(const Marginals& marginals) {
-    const auto misfit = ExplainGnssMisfit(run_.network(), marginals, clock_may_step_);
+    auto misfit = ExplainGnssMisfit(run_.network(), marginals, clock_may_step_);
     if (!misfit || misfit->cause != GnssMisfit::Cause::kClockStep) return misfit;
     clock_may_step_ = adjustment_internal::StepExplains(run_, *misfit);
     return clock_may_step_ ? misfit : ExplainGnssMisfit(run_.network(), marginals, false);
   }
 
-  /// Adds a warning and returns false. Throws InvalidInput if a clock steps, which no constant
+  /// Adds a warning and returns false. Throws SensorsContradict if a clock steps, which no constant
   /// correction removes.
   bool Tell(const GnssMisfit& misfit) {
     if (misfit.cause == GnssMisfit::Cause::kLeverArm) {
@@ -208,13 +208,13 @@ class EpochScreener {
     }
     const MapGnssEpoch& epoch =
         run_.flight().gnss->epochs[run_.network().gnss().edges()[misfit.first].epoch];
-    throw InvalidInput("a clock steps: from about t = " + fmt::format("{:.3f}", epoch.t_s) +
-                           " s on, the GNSS time tags are " +
-                           FormatDouble(std::round(std::abs(misfit.estimate[0]) * 1e4) / 1e4) +
-                           (misfit.estimate[0] < 0.0 ? " s early" : " s late") +
-                           " against those of the inertial data; correct the time tags, or "
-                           "limit time_span_s to one part",
-                       {run_.flight().config.gnss->file, epoch.line});
+    throw SensorsContradict("a clock steps: from about t = " + fmt::format("{:.3f}", epoch.t_s) +
+                                " s on, the GNSS time tags are " +
+                                FormatDouble(std::round(std::abs(misfit.estimate[0]) * 1e4) / 1e4) +
+                                (misfit.estimate[0] < 0.0 ? " s early" : " s late") +
+                                " against those of the inertial data; ",
+                            "correct the time tags, or limit time_span_s to one part",
+                            {run_.flight().config.gnss->file, epoch.line});
   }
 
   /// Restores all epochs if the rejected ones have time-correlated errors instead of outliers;

@@ -14,6 +14,8 @@ namespace {
 constexpr double kStripJoinS = 5.0;
 constexpr double kStripMarginS = 0.5;
 constexpr double kLowestRateHz = 1.0;
+// A shorter piece of inertial data at an end of the flight does not show its heading.
+constexpr double kShortestPieceS = 10.0;
 
 std::vector<TimeInterval> PairStrips(const Flight& flight) {
   std::vector<double> t_s;
@@ -37,16 +39,30 @@ double LargestGyroWhite(const Flight& flight, const std::vector<TimeInterval>& s
   return std::hypot(model.gyro.white, added);
 }
 
+/// Returns the span of the inertial data without short pieces before the first and after the last
+/// gaps.
+TimeInterval UsefulSpan(const ImuData& imu) {
+  TimeInterval span{imu.t_begin_s(), imu.t_end_s()};
+  for (const ImuGap& gap : imu.gaps) {
+    if (gap.t_begin_s - span.t0_s < kShortestPieceS) span.t0_s = gap.t_end_s;
+  }
+  for (auto gap = imu.gaps.rbegin(); gap != imu.gaps.rend(); ++gap) {
+    if (span.t1_s - gap->t_end_s < kShortestPieceS) span.t1_s = gap->t_begin_s;
+  }
+  if (span.t1_s > span.t0_s) return span;
+  return {imu.t_begin_s(), imu.t_end_s()};
+}
+
 }  // namespace
 
 TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
                          const CalibrationState& calibration) {
-  const ImuData& imu = *flight.imu;
+  const TimeInterval imu = UsefulSpan(*flight.imu);
   TimeInterval span{1e300, -1e300};
   long inside = 0;
   for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
     const double t_s = GnssEpochTime(calibration, epoch.t_s);
-    if (t_s < imu.t_begin_s() + 1e-6 || t_s > imu.t_end_s() - 1e-6) continue;
+    if (t_s < imu.t0_s + 1e-6 || t_s > imu.t1_s - 1e-6) continue;
     span.t0_s = std::min(span.t0_s, t_s);
     span.t1_s = std::max(span.t1_s, t_s);
     ++inside;
