@@ -16,6 +16,7 @@
 
 #include "common_errors.h"
 #include "competing_effects.h"
+#include "control_check.h"
 #include "detectability.h"
 #include "discrepancies.h"
 #include "gnss_process.h"
@@ -56,7 +57,8 @@ class Checker {
  public:
   Checker(const Adjustment& adjustment, const Marginals& marginals,
           const TrajectoryResult& trajectory, int threads)
-      : network_(*adjustment.network),
+      : adjustment_(adjustment),
+        network_(*adjustment.network),
         marginals_(marginals),
         trajectory_(trajectory),
         gnss_clock_(adjustment.gnss_clock),
@@ -68,6 +70,7 @@ class Checker {
     auto sums = Beside(threads_, [&] { FormSums(); });
     library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
     gnss_process_ = AddGnssProcess(network_, linearized_, &library_);
+    AddControlShift();
     Watch();
     const JointScore score = ScoreHypotheses();
     sums.get();
@@ -77,6 +80,7 @@ class Checker {
     FindCompeting(score);
     FindClocks(score);
     TakeUnmodelled(unmodelled);
+    TestControl(score, unmodelled);
     FindEffects(unmodelled.Conditioned());
     residual_ = ResidualWith(unmodelled.estimate());
     const Eigen::VectorXd left =
@@ -249,16 +253,31 @@ class Checker {
   }
 
   /// Returns the score of the hypotheses. Its shift has the watched unknowns first, then the
-  /// estimated effects.
+  /// estimated effects, then the control.
   JointScore ScoreHypotheses() const {
     std::vector<BlockId> shifted = watched_;
     for (const BlockId unknown : EffectUnknowns(network_)) shifted.push_back(unknown);
+    for (const BlockId block : ControlDeviations(network_)) shifted.push_back(block);
     return ScoreEffects(marginals_, library_.blocks, shifted);
   }
 
   void FindCompeting(const JointScore& score) {
     check_.competing_effects = FindCompetingEffects(network_, marginals_, library_, score, watched_,
                                                     EffectUnknowns(network_), family_);
+  }
+
+  void AddControlShift() {
+    EffectModel columns = ControlShiftColumns(network_);
+    if (!columns.empty()) control_shift_ = library_.AddBlock(std::move(columns));
+  }
+
+  void TestControl(const JointScore& score, const UnmodelledUnknowns& unmodelled) {
+    Eigen::Index rows = 0;
+    for (const BlockId block : ControlDeviations(network_)) {
+      rows += network_.net().block(block).kind.tangent_size;
+    }
+    check_.control = CheckControl({adjustment_, marginals_, unmodelled, score.shift.rows() - rows,
+                                   family_.of_boresight, control_shift_});
   }
 
   /// Takes what unmodelled effects change: from here on, the watched sigmas contain it.
@@ -506,6 +525,7 @@ class Checker {
     check_.effective_tests += static_cast<double>(check_.priors.size());
   }
 
+  const Adjustment& adjustment_;
   const FlightNetwork& network_;
   const Marginals& marginals_;
   const TrajectoryResult& trajectory_;
@@ -517,6 +537,7 @@ class Checker {
   std::size_t num_channels_ = 0, num_tested_ = 0;
   Library library_;
   std::optional<GnssProcessBasis> gnss_process_;
+  std::optional<std::size_t> control_shift_;  // block of the library
   std::vector<BlockId> watched_;
   TestFamily family_;
   Eigen::MatrixXd gain_;      // rows x watched coordinates

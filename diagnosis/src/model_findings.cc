@@ -151,6 +151,28 @@ void JudgeGnssLeftOut(long left_out, long epochs, ModelCheck* check) {
   if (share > kGnssLeftOut) Add(facts::GnssLeftOut{share}, true, 0.0, check);
 }
 
+void JudgeControl(ModelCheck* check) {
+  constexpr double kControlLeftOut = 1.0 / 3.0;
+  if (!check->control) return;
+  const auto& shift = check->control->shift;
+  const bool shifted = shift && shift->p_value <= kFamilyLevel;
+  long observations = 0, rejected = 0;
+  for (const ControlPointCheck& point : check->control->points) {
+    if (point.role != ControlPointCheck::Role::kCheck) ++observations;
+    if (point.role == ControlPointCheck::Role::kRejected) ++rejected;
+    if (point.role == ControlPointCheck::Role::kRejected ||
+        (!shifted && point.p_value <= kFamilyLevel)) {
+      Add(facts::ControlPointWrong{point}, false, kConclusive, check);
+    }
+  }
+  if (shifted) {
+    Add(facts::ControlShifted{*shift}, true, kConclusive, check);
+  }
+  if (static_cast<double>(rejected) > kControlLeftOut * static_cast<double>(observations)) {
+    Add(facts::ControlLeftOut{rejected, observations}, true, kConclusive, check);
+  }
+}
+
 void Sort(ModelCheck* check) {
   std::stable_sort(check->findings.begin(), check->findings.end(),
                    [](const Finding& a, const Finding& b) {
@@ -208,6 +230,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   JudgeGnssLeftOut(static_cast<long>(adjustment.gnss_rejected.size()),
                    static_cast<long>(network.gnss().edges().size()), check);
   JudgeGroups(check);
+  JudgeControl(check);
   AddWarnings(adjustment.warnings, check);
   Sort(check);
 }

@@ -70,6 +70,7 @@ class NetworkHypotheses {
     AddInertial();
     AddGnss();
     AddPairs();
+    AddControl();
     Library out;
     const std::size_t first_discrepancy = found_.hypotheses.size() - num_discrepancies_;
     for (std::size_t k = 0; k < found_.hypotheses.size(); ++k) {
@@ -143,12 +144,16 @@ class NetworkHypotheses {
     Differentiate(kind);
   }
 
-  /// Makes the factors of inertial edges that pairs use; AddInertial and AddPairs both need them.
+  /// Makes the factors of inertial edges that pairs and control use; AddInertial and AddPairs need
+  /// them, too.
   void MakeBridgingEdges() {
     std::set<std::size_t> edges;
     for (const PairEdge& edge : network_.pairs().edges()) {
       if (edge.bridge_i) edges.insert(*edge.bridge_i);
       if (edge.bridge_j) edges.insert(*edge.bridge_j);
+    }
+    for (const ControlEdge& edge : network_.control().edges()) {
+      if (edge.bridge) edges.insert(*edge.bridge);
     }
     bridging_.resize(network_.inertial().edges().size());
     const std::vector<std::size_t> all(edges.begin(), edges.end());
@@ -199,6 +204,19 @@ class NetworkHypotheses {
     const std::vector<Eigen::Matrix3Xd> columns =
         PairColumns(network_, state_, means_, whole, threads_);
     Append(edges, PairEffectIndices(state_), columns);
+  }
+
+  void AddControl() {
+    const std::vector<ControlEdge>& edges = network_.control().edges();
+    EdgeKind kind;
+    for (const ControlEdge& edge : edges) kind.edges.push_back(edge.id);
+    kind.effects = PairEffectIndices(state_);
+    kind.own_effects = PairEffectIndices(network_.calibration().State()).size();
+    kind.make = [&](std::size_t k) {
+      return network_.control().Factor(edges[k], state_,
+                                       edges[k].bridge ? bridging_[*edges[k].bridge] : nullptr);
+    };
+    Differentiate(kind);
   }
 
   /// Returns the values for the factor that an edge would have under the extended calibration.

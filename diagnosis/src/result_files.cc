@@ -1,5 +1,6 @@
 #include <dn/adjustment/achieved_accuracy.h>
 #include <dn/adjustment/words.h>
+#include <dn/diagnosis/control_output.h>
 #include <dn/diagnosis/result_files.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
@@ -161,6 +162,7 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   json["adjustment"] = figures;
   json["strip_pairs"] = StripPairsJson(pairs);
   json["model_check"] = ModelCheckJson(check);
+  if (check.control) json["control"] = ControlJson(*check.control);
   json["timing_s"] = TimingJson(timings);
   return json;
 }

@@ -31,6 +31,12 @@ Solution::Solution(Adjustment adjustment, int threads)
   marginals_.ComputeSelectedInverse();
 }
 
+Adjustment Solution::TakeAdjustment() {
+  Adjustment adjustment = std::move(adjustment_);
+  adjustment.analysis = std::make_shared<SharedAnalysis>();
+  return adjustment;
+}
+
 const TrajectoryResult& Solution::trajectory() const {
   if (!trajectory_) trajectory_ = ExtractTrajectory(adjustment_, marginals_);
   return *trajectory_;

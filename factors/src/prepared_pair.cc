@@ -5,30 +5,6 @@
 #include <string>
 
 namespace dn {
-namespace {
-
-void CheckEnd(const LidarEnd& end) {
-  if (!end.u_s.allFinite() || !(end.u_s.norm() > 0.0)) {
-    throw InvalidInput("point pair: the laser vector at t = " +
-                       std::to_string(end.partial.t_end_s) + " s is zero or not finite");
-  }
-  if (!end.p_nominal_m.allFinite()) {
-    throw InvalidInput("point pair: the nominal position at t = " +
-                       std::to_string(end.partial.t_begin_s) + " s is not finite");
-  }
-}
-
-void CheckMounting(const Eigen::Matrix3d& R_bs) {
-  constexpr double kTolerance = 1e-6;  // allows for a matrix written with seven digits
-  const double defect = (R_bs * R_bs.transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (!(defect < kTolerance) || R_bs.determinant() < 0.0) {
-    throw InvalidInput(
-        "point pair: the mounting matrix is not a rotation (R R^T differs from the identity by " +
-        std::to_string(defect) + ", determinant " + std::to_string(R_bs.determinant()) + ")");
-  }
-}
-
-}  // namespace
 
 Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
                          const Eigen::Vector3d& l_b) {
@@ -41,10 +17,33 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
 
 namespace factors_internal {
 
+void CheckEnd(const char* what, const LidarEnd& end) {
+  if (!end.u_s.allFinite() || !(end.u_s.norm() > 0.0)) {
+    throw InvalidInput(std::string(what) + ": the laser vector at t = " +
+                       std::to_string(end.partial.t_end_s) + " s is zero or not finite");
+  }
+  if (!end.p_nominal_m.allFinite()) {
+    throw InvalidInput(std::string(what) + ": the nominal position at t = " +
+                       std::to_string(end.partial.t_begin_s) + " s is not finite");
+  }
+}
+
+void CheckMounting(const char* what, const Eigen::Matrix3d& R_bs) {
+  constexpr double kTolerance = 1e-6;  // allows for a matrix written with seven digits
+  const double defect = (R_bs * R_bs.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(defect < kTolerance) || R_bs.determinant() < 0.0) {
+    throw InvalidInput(std::string(what) +
+                       ": the mounting matrix is not a rotation (R R^T differs from the identity "
+                       "by " +
+                       std::to_string(defect) + ", determinant " +
+                       std::to_string(R_bs.determinant()) + ")");
+  }
+}
+
 void CheckPreparedPair(const PreparedPair& pair) {
-  CheckMounting(pair.R_bs_nominal);
-  CheckEnd(pair.i);
-  CheckEnd(pair.j);
+  CheckMounting("point pair", pair.R_bs_nominal);
+  CheckEnd("point pair", pair.i);
+  CheckEnd("point pair", pair.j);
 }
 
 }  // namespace factors_internal

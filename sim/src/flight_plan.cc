@@ -208,8 +208,8 @@ PlannedLine RunOutLeg(const PlannedLine& last) {
   return leg;
 }
 
-UniformSpline::Vector ControlPoint(const PathBuilder& path, double along_m,
-                                   const PlanScenario& plan) {
+UniformSpline::Vector SplinePoint(const PathBuilder& path, double along_m,
+                                  const PlanScenario& plan) {
   const Segment& s = path.At(along_m);
   const double into_m = along_m - s.begin_m;
   const Waypoint w = Advance(s.start, into_m, s.curvature_per_m);
@@ -266,7 +266,7 @@ FlightPlan PlanFlight(const PlanScenario& plan) {
     const auto count = static_cast<int>((duration_s + 2.0 * kPathMargin_s) / kPathStep_s) + 1;
     for (int i = 0; i < count; ++i) {
       const double t_s = begin_s - kPathMargin_s + kPathStep_s * i;
-      control.push_back(ControlPoint(course.path, times.LengthAt(t_s), plan));
+      control.push_back(SplinePoint(course.path, times.LengthAt(t_s), plan));
     }
     PitchAlongPath(control);
     if (plan.stabilised_mount) {

@@ -148,6 +148,13 @@ std::string PairText(const PairScenario& pairs) {
   return text + "}";
 }
 
+std::string ControlText(const ControlScenario& control) {
+  return "{points: " + std::to_string(control.points) +
+         ", checks: " + std::to_string(control.checks) + ", sigma_m: [" +
+         Number(control.sigma_enu_m.x()) + ", " + Number(control.sigma_enu_m.y()) + ", " +
+         Number(control.sigma_enu_m.z()) + "]}";
+}
+
 }  // namespace
 
 std::string FormatScenario(const Scenario& scenario) {
@@ -163,6 +170,7 @@ std::string FormatScenario(const Scenario& scenario) {
   WriteGnss(scenario.gnss, &out);
   WriteLidar(scenario.lidar, &out);
   out.Top("pairs", PairText(scenario.pairs));
+  if (!scenario.control.empty()) out.Top("control", ControlText(scenario.control));
   out.Top("strips", scenario.strips ? "true" : "false");
   WriteEffects(scenario.effects, &out);
   return out.Take();

@@ -35,8 +35,8 @@ void CheckHoles(const Trajectory& trajectory) {
   }
 }
 
-UniformSpline::Vector ControlPoint(const MapPose& pose, const LocalFrame& frame,
-                                   std::optional<double> heading_before) {
+UniformSpline::Vector SplinePoint(const MapPose& pose, const LocalFrame& frame,
+                                  std::optional<double> heading_before) {
   const Eigen::Quaterniond q_nm(frame.R_mn(pose.p_mb).transpose());
   Eigen::Vector3d rph = RollPitchHeading(q_nm * pose.q_mb);
   if (heading_before) {
@@ -82,7 +82,7 @@ FlightPlan ReplayFlight(const Trajectory& trajectory, const LocalFrame& frame) {
   std::optional<double> heading_before;
   for (int i = 0; i * kReplayStep_s <= span_s; ++i) {
     const MapPose pose = InterpolatePose(poses, trajectory.t_begin_s() + i * kReplayStep_s);
-    control.push_back(ControlPoint(pose, frame, heading_before));
+    control.push_back(SplinePoint(pose, frame, heading_before));
     heading_before = control.back()[5];
   }
   const double spline_s = kReplayStep_s * static_cast<double>(control.size());

@@ -213,6 +213,19 @@ PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
   return pairs;
 }
 
+ControlScenario ReadControlScenario(const YamlValue& s) {
+  constexpr long kMostPoints = 1000;
+  ExpectMapOrAbsent(s, {"points", "checks", "sigma_m"});
+  ControlScenario control;
+  if (s["points"]) control.points = static_cast<long>(s["points"].Integer(0));
+  if (s["checks"]) control.checks = static_cast<long>(s["checks"].Integer(0));
+  if (s["sigma_m"]) control.sigma_enu_m = ReadPositiveVector3(s["sigma_m"]);
+  if (control.points > kMostPoints || control.checks > kMostPoints - control.points) {
+    s.Fail("points and checks together must be at most 1000");
+  }
+  return control;
+}
+
 const EffectSpec& RequireEffect(const YamlValue& name) {
   const EffectSpec* effect = FindEffect(ReadName(name));
   if (effect == nullptr) {
@@ -239,7 +252,7 @@ Effect ReadEffect(const YamlValue& item) {
 Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   const YamlValue root = ParseYaml(yaml_text, where);
   root.ExpectMap({"name", "origin_deg_m", "start_s", "plan", "terrain", "imu", "gnss", "lidar",
-                  "pairs", "strips", "effects"});
+                  "pairs", "control", "strips", "effects"});
   Scenario scenario;
   scenario.name = ReadName(root["name"]);
   scenario.origin = ReadOrigin(root["origin_deg_m"]);
@@ -252,6 +265,7 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   scenario.gnss = ReadGnssScenario(root["gnss"]);
   scenario.lidar = ReadLidar(root["lidar"]);
   scenario.pairs = ReadPairScenario(root["pairs"], scenario.lidar.gsd_m);
+  scenario.control = ReadControlScenario(root["control"]);
   if (root["effects"]) {
     for (const YamlValue& item : root["effects"].List(kMostEffects)) {
       scenario.effects.push_back(ReadEffect(item));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "active_effects.h"
+#include "control_simulation.h"
 #include "flight_plan.h"
 #include "gnss_simulation.h"
 #include "imu_simulation.h"
@@ -204,9 +205,13 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
     out.flight.pairs = SimulatePairs(scenario, out.strips, out.truth, terrain,
                                      {options.seed, options.noise, progress("pairs")}, effects);
   }
+  const LidarSpan span =
+      out.flight.pairs ? LidarEpochSpan(out.flight.pairs->pairs) : LidarEpochSpan(out.strips);
+  if (!scenario.control.empty() && !out.strips.empty()) {
+    out.flight.control = SimulateControl(scenario, out.strips, out.truth, terrain,
+                                         {options.seed, options.noise, span}, effects);
+  }
   if (scenario.strips && !out.strips.empty()) {
-    const LidarSpan span =
-        out.flight.pairs ? LidarEpochSpan(out.flight.pairs->pairs) : LidarEpochSpan(out.strips);
     out.clouds = std::make_shared<const SimulatedClouds>(scenario, out.strips, out.truth, effects,
                                                          span, options.seed, options.noise);
   }

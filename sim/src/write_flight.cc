@@ -96,6 +96,26 @@ std::string PairText(const PairData& data, int file) {
   return FormatPairs(pairs);
 }
 
+/// Returns the text of a control file with the observations or the checks; empty without any.
+std::string ControlText(const Flight& flight, bool checks) {
+  std::string text;
+  for (const ControlPoint& point : flight.control->points) {
+    if (point.is_check != checks) continue;
+    const Geodetic at = flight.frame.ToGeodetic(point.p_m);
+    const Eigen::Vector3d sigma_m = point.covariance_m2.diagonal().cwiseSqrt();
+    const ControlReturn& one = point.returns.front();
+    text += point.name;
+    for (const double value :
+         {kDegPerRad * at.lat_rad, kDegPerRad * at.lon_rad, at.h_m, sigma_m.x(), sigma_m.y(),
+          sigma_m.z(), one.t_s, one.u_s.x(), one.u_s.y(), one.u_s.z()}) {
+      text += ", " + FormatDouble(value);
+    }
+    text += "\n";
+  }
+  if (text.empty()) return text;
+  return "name, lat, lon, height, sigma_e, sigma_n, sigma_h, t, ux, uy, uz\n" + text;
+}
+
 }  // namespace
 
 std::string FormatTruth(const SimulatedFlight& simulated) {
@@ -127,6 +147,12 @@ void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& direct
     for (std::size_t i = 0; i < flight.pairs->files.size(); ++i) {
       directory.Add(flight.pairs->files[i].generic_string(),
                     PairText(*flight.pairs, static_cast<int>(i)));
+    }
+  }
+  if (flight.control) {
+    for (const bool checks : {false, true}) {
+      const std::string text = ControlText(flight, checks);
+      if (!text.empty()) directory.Add(checks ? "control/checks.txt" : "control/points.txt", text);
     }
   }
   if (flight.trajectory) directory.Add("trajectory.out", FormatSbet(flight.trajectory->points()));

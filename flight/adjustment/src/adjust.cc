@@ -34,4 +34,14 @@ Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
   return std::move(run.result());
 }
 
+void AdjustAgain(const Flight& flight, const AdjustOptions& options, Adjustment* adjustment) {
+  const Stopwatch watch;
+  AdjustmentRun run(flight, options);
+  run.result() = std::move(*adjustment);
+  SolveFinally(run);
+  run.result().residual_final_m = run.MeanPairDifference();
+  run.result().time_s += watch.seconds();
+  *adjustment = std::move(run.result());
+}
+
 }  // namespace dn

@@ -105,6 +105,9 @@ void UseInertialRate(AdjustmentRun& run) {
   std::unique_ptr<FlightNetwork> network =
       adjustment_internal::RemakeNetwork(run, run.network().calibration().State());
   if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
+  if (run.options().with_pairs && run.flight().control) {
+    network->AddControl(*run.flight().control);
+  }
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);
 }

@@ -1,4 +1,5 @@
 #include <dn/adjustment/stages.h>
+#include <dn/builder/use_survey.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/robust_scale.h>
 
@@ -37,6 +38,17 @@ void AddPairs(AdjustmentRun& run) {
         "different strips");
   }
   run.result().residual_initial_m = run.MeanPairDifference();
+  if (!run.flight().control) return;
+  run.network().AddControl(*run.flight().control);
+  for (const ControlNode& point : run.network().control().points()) {
+    UseSurvey(point, false, &run.network());
+  }
+}
+
+void UseControl(AdjustmentRun& run) {
+  for (const ControlNode& node : run.network().control().points()) {
+    UseSurvey(node, !run.network().control().Point(node).is_check, &run.network());
+  }
 }
 
 void SolvePairsRobustly(AdjustmentRun& run) {

@@ -16,6 +16,7 @@ std::vector<AdjustmentStage> DefaultStages(bool with_pairs) {
     stages.push_back({"boresight start", StartBoresight});
     stages.push_back({"lidar, robust", SolvePairsRobustly});
     stages.push_back({"pair rejection", RejectPairs});
+    stages.push_back({"control", UseControl});
   }
   stages.push_back({"inertial rate", UseInertialRate});
   stages.push_back({"before final", AddOwnBeforeFinal});

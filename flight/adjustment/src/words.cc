@@ -124,6 +124,8 @@ std::string Say(const facts::PriorContradicted& fact) {
   const PriorCheck& prior = fact.prior;
   const std::string key = prior.unknown == "boresight"
                               ? "lidar.boresight_deg with lidar.boresight_sigma_deg"
+                          : prior.unknown == "control_datum_shift"
+                              ? "control.datum_shift_sigma_m"
                               : "the sigma of " + prior.unknown + " under estimate";
   return fmt::format(
       "the stated prior of {} contradicts all other data by {:.1f} sigma ({}): check {}",
@@ -336,6 +338,47 @@ std::string Say(const facts::SigmasWidened& fact) {
 
 std::string Say(const facts::NotEstimated& fact) {
   return fact.unknown + " is not estimated: " + fact.because;
+}
+
+/// Returns the components of a control point, each with its sigma: "E 0.512(0.021) m".
+std::string Components(const ControlPointCheck& point) {
+  static const char* const kAxes[] = {"E", "N", "U"};
+  const Eigen::VectorXd sigma_m = point.covariance_m2.diagonal().cwiseSqrt();
+  std::vector<std::string> parts;
+  for (Eigen::Index k = 0; k < point.residual_m.size(); ++k) {
+    const char* axis = point.horizontal() ? kAxes[k] : point.vertical() ? "U" : "along its normal";
+    parts.push_back(fmt::format("{} {}", axis, FormatWithSigma(point.residual_m[k], sigma_m[k])));
+  }
+  return fmt::format("{} m", fmt::join(parts, ", "));
+}
+
+std::string Say(const facts::ControlPointWrong& fact) {
+  const ControlPointCheck& point = fact.point;
+  const bool check = point.role == ControlPointCheck::Role::kCheck;
+  return fmt::format(
+      "{} {} contradicts all other data (statistic {:.1f} with {} degrees of freedom, {}): laser "
+      "minus survey is {}{}; check its coordinates and its laser vector ({})",
+      check ? "check" : "control point", point.name, point.statistic, point.dof, P(point.p_value),
+      Components(point),
+      point.role == ControlPointCheck::Role::kRejected ? ", and it was left out" : "", point.where);
+}
+
+std::string Say(const facts::ControlShifted& fact) {
+  const ControlShift& shift = fact.shift;
+  return fmt::format(
+      "the coordinates of the control exceed those of GNSS by a constant E {}, N {}, U {} m ({}): "
+      "check whether both have the same datum and ellipsoidal heights, or state "
+      "control.datum_shift_sigma_m",
+      FormatWithSigma(shift.shift_m.x(), shift.sigma_m.x()),
+      FormatWithSigma(shift.shift_m.y(), shift.sigma_m.y()),
+      FormatWithSigma(shift.shift_m.z(), shift.sigma_m.z()), P(shift.p_value));
+}
+
+std::string Say(const facts::ControlLeftOut& fact) {
+  return fmt::format(
+      "{} of {} control points contradict all other data and were left out: check the coordinate "
+      "system of the control (control.crs), its epochs and its sigmas",
+      fact.left_out, fact.points);
 }
 
 std::string Say(const facts::NetworkDiffers& fact) {

@@ -52,6 +52,7 @@ FlightNetwork Build(const Flight& flight, const NetworkDesign& design,
   for (const double t_s : node_t_s) initial.nodes.push_back(InterpolatePose(design.poses, t_s));
   FlightNetwork network(flight, node_t_s, initial, options);
   if (HasPairs(flight)) network.AddPairs(flight.pairs->pairs);
+  if (flight.control) network.AddControl(*flight.control);
   return network;
 }
 

@@ -45,6 +45,19 @@ const FactorGroup& PairGroup() {
   return group;
 }
 
+const FactorGroup& ControlGroup(bool plane) {
+  static const FactorGroup points{"control", Rows(kEnu)}, planes{"control plane", {{"normal"}}};
+  return plane ? planes : points;
+}
+
+const FactorGroup& ControlReturnGroup(bool plane, bool used) {
+  static const FactorGroup withheld{"withheld control", {}, {}, FactorGroup::Kind::kPrior};
+  if (!used) return withheld;
+  static const FactorGroup points{"lidar control", Rows(kEnu)};
+  static const FactorGroup planes{"lidar control plane", {{"normal"}}};
+  return plane ? planes : points;
+}
+
 const FactorGroup& BiasProcessGroup(bool gyro) {
   static const FactorGroup gyro_group = BiasProcess("gyro"), accel_group = BiasProcess("accel");
   return gyro ? gyro_group : accel_group;

@@ -9,6 +9,10 @@ const FactorGroup& InertialGroup();
 const FactorGroup& GnssPositionGroup();
 const FactorGroup& GnssVelocityGroup();
 const FactorGroup& PairGroup();
+/// Returns the group of the surveys of control points or planes, and that of the returns on them.
+/// The returns on withheld points are no measurements for the tests of the fit.
+const FactorGroup& ControlGroup(bool plane);
+const FactorGroup& ControlReturnGroup(bool plane, bool used);
 const FactorGroup& BiasProcessGroup(bool gyro);
 const FactorGroup& GnssErrorGroup();
 const FactorGroup& PriorGroup();

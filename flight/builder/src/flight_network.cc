@@ -30,7 +30,8 @@ FlightNetwork::Parts::Parts(const Flight& flight, const std::vector<double>& nod
               options.threads},
       inertial(context),
       gnss(context),
-      pairs(context, inertial) {}
+      pairs(context, inertial),
+      control(context, inertial, &net) {}
 
 FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                              const InitialStates& initial, const FlightNetworkOptions& options)
@@ -49,6 +50,7 @@ void FlightNetwork::Repreintegrate() {
   parts_->inertial.Repreintegrate(now);
   parts_->gnss.Rebuild(now);
   parts_->pairs.Repreintegrate(now);
+  parts_->control.Repreintegrate(now);
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {

@@ -1,4 +1,5 @@
 #include <dn/builder/keep_in_use.h>
+#include <dn/builder/use_survey.h>
 
 #include <cstddef>
 #include <map>
@@ -25,6 +26,16 @@ void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
   }
 }
 
+/// Activates exactly the surveys of control points that are active in the other network.
+void KeepControl(const FlightNetwork& other, FlightNetwork* network) {
+  std::map<std::size_t, FactorId> theirs;
+  for (const ControlNode& point : other.control().points()) theirs[point.point] = point.survey;
+  for (const ControlNode& point : network->control().points()) {
+    const auto found = theirs.find(point.point);
+    UseSurvey(point, found != theirs.end() && other.net().factor(found->second).active, network);
+  }
+}
+
 }  // namespace
 
 void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
@@ -39,6 +50,7 @@ void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
     keep(found == by_epoch.end() ? -1 : found->second->velocity, edge.velocity);
   }
   KeepPairs(other, network);
+  KeepControl(other, network);
 }
 
 }  // namespace dn

@@ -30,27 +30,6 @@ Eigen::Vector3d ArmToPoint(const Mounting& mounting, const CalibrationState& sta
          q_boresight * (mounting.R_bs_nominal * reading.u_s);
 }
 
-/// Prepares one end and adds the noise of its increments to the covariance of the pair.
-LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, double tag_s,
-                    const Eigen::Vector3d& u_s, EndAttachment at, Eigen::Matrix3d* covariance_m2) {
-  const LidarReading reading = calibration.Read(tag_s, u_s);
-  const double t_s = calibration.EmissionTime(reading);
-  if (t_s < at.node.t_s - kEpochRoundingS) {
-    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
-                       " s exceeds the " + std::to_string(kLidarTimeMarginS) +
-                       " s that can be estimated; correct the time tags of the pairs first");
-  }
-  LidarEnd end{tag_s, std::move(at.partial), u_s, at.node.p_mb};
-  if (at.inertial) {
-    end.bridge = std::make_shared<IncrementConditioning>(flight.frame, end.partial,
-                                                         at.inertial->increments());
-  }
-  *covariance_m2 +=
-      EndNoise(end, at.node.q_mb.toRotationMatrix(),
-               ArmToPoint(flight.config.lidar->mounting, calibration.state(), reading));
-  return end;
-}
-
 }  // namespace
 
 PairCalibration::PairCalibration(const CalibrationState& state)
@@ -77,6 +56,26 @@ EndIncrements::EndIncrements(const ImuData& imu, const CalibrationState& calibra
 Preintegrated EndIncrements::To(double epoch_s) {
   return epoch_s - node_t_s_ > kEpochRoundingS ? growing_.To(epoch_s)
                                                : IdentityIncrement(imu_, node_t_s_, correction_);
+}
+
+LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, double tag_s,
+                    const Eigen::Vector3d& u_s, EndAttachment at, Eigen::Matrix3d* covariance_m2) {
+  const LidarReading reading = calibration.Read(tag_s, u_s);
+  const double t_s = calibration.EmissionTime(reading);
+  if (t_s < at.node.t_s - kEpochRoundingS) {
+    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
+                       " s exceeds the " + std::to_string(kLidarTimeMarginS) +
+                       " s that can be estimated; correct the time tags of the pairs first");
+  }
+  LidarEnd end{tag_s, std::move(at.partial), u_s, at.node.p_mb};
+  if (at.inertial) {
+    end.bridge = std::make_shared<IncrementConditioning>(flight.frame, end.partial,
+                                                         at.inertial->increments());
+  }
+  *covariance_m2 +=
+      EndNoise(end, at.node.q_mb.toRotationMatrix(),
+               ArmToPoint(flight.config.lidar->mounting, calibration.state(), reading));
+  return end;
 }
 
 PreparedPair PreparePair(const Flight& flight, const PairCalibration& calibration,

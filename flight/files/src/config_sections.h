@@ -37,6 +37,7 @@ bool ReadNorth(const YamlValue& north, const std::string& crs);
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
+ControlConfig ReadControlSection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
 /// Reads the sigmas of an effect: one number for all components, or one for each. `read` is the
 /// conversion of a number.

@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/files/flight.h>
 #include <dn/geo/read_file.h>
+#include <dn/geo/text_table.h>
 #include <dn/geo/week_seconds.h>
 #include <dn/parallel.h>
 #include <dn/stopwatch.h>
@@ -52,6 +53,7 @@ class FolderReader {
     flight_.reference = reference.get();
     flight_.frame = LocalFrame(Origin());
     if (gnss_) flight_.gnss = ToMap(*gnss_, flight_.frame);
+    if (needs_.control && HasControl(flight_.config)) ReadControlPart();
     return std::move(flight_);
   }
 
@@ -278,6 +280,53 @@ class FolderReader {
       if (outside == 0) ++complete;
     }
     if (needs_.optional && complete == 0) files_internal::ExpectInSpan(pairs, coverages.front());
+  }
+
+  void ReadControlPart() {
+    ControlData control = ReadControl(flight_.config, flight_.frame);
+    ExpectControlNear(control, FlownPositions(), flight_.frame, ControlCrs(flight_.config));
+    if (flight_.imu) KeepReturnsCovered(files_internal::Cover(*flight_.imu), &control);
+    for (const ControlPoint& point : control.points) {
+      ++flight_.counts[point.is_check ? "control checks" : "control observations"];
+    }
+    flight_.control = std::move(control);
+  }
+
+  /// Requires that returns on control are inside the data, and drops those in gaps.
+  void KeepReturnsCovered(const CoveredTime& covered, ControlData* control) {
+    for (ControlPoint& point : control->points) {
+      for (ControlReturn& one : point.returns) {
+        one.t_s = files_internal::AlignWeek(one.t_s, covered);
+        if (covered.InSpan(one.t_s)) continue;
+        throw InvalidInput("the epoch " + FormatDouble(one.t_s) + " s of point '" + point.name +
+                               "' lies outside " + covered.what + " (" +
+                               files_internal::SpanText(covered.t_begin_s, covered.t_end_s) + ")" +
+                               files_internal::ClockHint(one.t_s, covered, "lidar"),
+                           one.where);
+      }
+      Count("control returns in " + covered.gaps,
+            static_cast<long>(std::erase_if(point.returns, [&](const ControlReturn& one) {
+              return covered.GapAt(one.t_s) != nullptr;
+            })));
+    }
+  }
+
+  /// Returns positions of the flight in map: GNSS epochs, or else points of the trajectory.
+  std::vector<Eigen::Vector3d> FlownPositions() const {
+    constexpr std::size_t kEnough = 500;
+    std::vector<Eigen::Vector3d> flown_m;
+    if (flight_.gnss) {
+      const std::size_t step = 1 + flight_.gnss->epochs.size() / kEnough;
+      for (std::size_t k = 0; k < flight_.gnss->epochs.size(); k += step) {
+        flown_m.push_back(flight_.gnss->epochs[k].p_m);
+      }
+    } else if (flight_.trajectory) {
+      const std::vector<NavPoint>& points = flight_.trajectory->points();
+      for (std::size_t k = 0; k < points.size(); k += 1 + points.size() / kEnough) {
+        flown_m.push_back(flight_.frame.ToMap(points[k].position));
+      }
+    }
+    return flown_m;
   }
 
   std::optional<Trajectory> ReadIfPresent(const std::string& stem) const {

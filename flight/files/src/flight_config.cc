@@ -139,8 +139,8 @@ std::string FolderName(const fs::path& folder) {
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
   root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
-                  "imu", "gnss", "lidar", "trajectory", "gh", "unmodelled", "estimate", "across",
-                  "network", "unexplained"});
+                  "imu", "gnss", "lidar", "trajectory", "control", "gh", "unmodelled", "estimate",
+                  "across", "network", "unexplained"});
   FlightConfig config;
   config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(files_internal::BodyWords());
@@ -150,6 +150,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   config.strips_crs_stated = static_cast<bool>(root["strips_crs"]);
   if (config.strips_crs_stated) config.strips_crs = ReadCrs(root["strips_crs"]);
   ReadSensors(root, config);
+  if (root["control"]) config.control = files_internal::ReadControlSection(root["control"]);
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["unmodelled"]) {
     config.unmodelled = files_internal::ReadUnmodelled(root["unmodelled"]);

@@ -154,11 +154,15 @@ std::string Selection(const PairSelection& selection) {
          ", seed: " + std::to_string(selection.seed) + "}";
 }
 
+std::string NameList(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + QuoteYaml(name);
+  return "[" + text + "]";
+}
+
 void WriteLidar(const LidarConfig& lidar, Writer& out) {
   out.Line(0, "lidar:");
-  std::string files;
-  for (const std::string& file : lidar.p2p) files += (files.empty() ? "" : ", ") + QuoteYaml(file);
-  out.Key(1, "p2p", "[" + files + "]");
+  out.Key(1, "p2p", NameList(lidar.p2p));
   out.Key(1, "time_offset_s", Number(lidar.time_offset_s));
   out.Key(1, "pairs", Selection(lidar.pairs));
   out.Key(1, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
@@ -190,6 +194,20 @@ void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Key(1, "sigma_rp_deg", Number(trajectory.sigma_rp_rad, &RadFromDeg));
   out.Key(1, "sigma_y_deg", Number(trajectory.sigma_y_rad, &RadFromDeg));
   out.Key(1, "sigma_file", trajectory.sigma_file.empty() ? "~" : QuoteYaml(trajectory.sigma_file));
+}
+
+void WriteControl(const ControlConfig& control, Writer& out) {
+  const auto sigmas = [](const std::optional<Eigen::Vector3d>& sigma_m) {
+    return sigma_m ? List(*sigma_m) : "~";
+  };
+  out.Line(0, "control:");
+  out.Key(1, "files", NameList(control.files));
+  out.Key(1, "crs", control.crs.empty() ? "~" : QuoteYaml(control.crs));
+  out.Key(1, "sigma_enu_m", sigmas(control.sigma_enu_m));
+  out.Key(1, "laser_sigma_m", Number(control.laser_sigma_m));
+  out.Key(1, "datum_shift_sigma_m", sigmas(control.datum_shift_sigma_m));
+  out.Key(1, "checks", NameList(control.checks));
+  out.Key(1, "search_radius_m", Number(control.search_radius_m));
 }
 
 std::string Estimate(const EstimateEntry& entry) {
@@ -279,6 +297,7 @@ void WriteRest(const FlightConfig& config, Writer& out) {
   if (config.gnss) WriteGnss(*config.gnss, out);
   if (config.lidar) WriteLidar(*config.lidar, out);
   if (config.trajectory) WriteTrajectory(*config.trajectory, out);
+  if (config.control) WriteControl(*config.control, out);
   out.Key(0, "gh",
           "{rotation: " + FindWord(config.gh.exponential, files_internal::GhRotationWords()) +
               ", libor_compat: " + Boolean(config.gh.libor_compat) + "}");

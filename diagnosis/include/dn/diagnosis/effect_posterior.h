@@ -10,7 +10,7 @@ namespace dn {
 
 /// Joint posterior of the fixed effects that a model leaves out, e, and of the calibration unknowns
 /// x: the boresight (left rotation), then the effects under `estimate` in the order of
-/// UnmodelledEffects::unknowns. SI.
+/// UnmodelledEffects::unknowns, then others. SI.
 struct EffectPosterior {
   std::vector<EffectId> effect;         ///< one per element of e
   std::vector<Eigen::Index> component;  ///< index within the effect, one per element of e

@@ -2,6 +2,7 @@
 
 #include <dn/adjustment/adjust.h>
 #include <dn/adjustment/checks.h>
+#include <dn/adjustment/control_checks.h>
 #include <dn/adjustment/finding.h>
 #include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/adjustment/plane_flight.h>
@@ -78,6 +79,7 @@ struct ModelCheck {
   std::vector<UndetectableEffect> undetectable;         ///< largest shift first
   std::vector<CompetingEffectCheck> competing_effects;  ///< competing effects of estimated unknowns
   std::vector<PriorCheck> priors;
+  std::optional<ControlCheck> control;  ///< of a network with control points
   /// Clock errors. They are from the GNSS screening if it found the clock off, else from the
   /// adjustment if it estimates them. Otherwise offset and drift are estimated jointly from the
   /// scores of their effects.

@@ -29,6 +29,8 @@ class Solution {
   explicit Solution(Adjustment adjustment, int threads = 1);
 
   const Adjustment& adjustment() const { return adjustment_; }
+  /// Returns the adjustment, to change it; the solution must not be used any more.
+  Adjustment TakeAdjustment();
   const FlightNetwork& network() const { return *adjustment_.network; }
   /// The marginals have their selected inverse.
   const Marginals& marginals() const { return marginals_; }

@@ -42,8 +42,12 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
 
 namespace factors_internal {
 
-/// Throws InvalidInput if a laser vector is zero, or if it or a nominal position is not finite.
-/// Also throws if the mounting matrix is not a rotation (1e-6).
+/// These functions throw InvalidInput, beginning with `what`: if a laser vector is zero, or if it
+/// or a nominal position is not finite, and if a mounting matrix is not a rotation (1e-6).
+void CheckEnd(const char* what, const LidarEnd& end);
+void CheckMounting(const char* what, const Eigen::Matrix3d& R_bs);
+
+/// Makes these checks for a pair.
 void CheckPreparedPair(const PreparedPair& pair);
 
 }  // namespace factors_internal

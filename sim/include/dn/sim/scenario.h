@@ -114,6 +114,15 @@ struct PairScenario {
   FileLocation where;  ///< location of the section in the scenario
 };
 
+/// Number and accuracy of the surveyed points.
+struct ControlScenario {
+  long points = 0;  ///< observations
+  long checks = 0;  ///< points that the assumed model withholds
+  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.01, 0.01, 0.015);
+
+  bool empty() const { return points + checks == 0; }
+};
+
 /// Entry of `effects:`: an error that the data contain and the assumed model lacks.
 struct Effect {
   std::string name;           ///< name in EffectTable
@@ -134,6 +143,7 @@ struct Scenario {
   GnssScenario gnss;
   LidarScenario lidar;
   PairScenario pairs;
+  ControlScenario control;
   bool strips = false;  ///< true: point clouds are simulated in addition
   std::vector<Effect> effects;
 };

@@ -66,7 +66,8 @@ FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed);
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
 
 /// Adds the files of the flight to `directory`; the caller commits them. They are flight.yaml,
-/// IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial rate) and truth.yaml.
+/// IMU.txt, GPS.txt, lidar/<a>_<b>.txt, control/points.txt, control/checks.txt, reference.out
+/// (SBET at the inertial rate) and truth.yaml.
 /// The effect trajectory_attitude_offset adds trajectory.out. Point clouds are not included; see
 /// WriteClouds.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);

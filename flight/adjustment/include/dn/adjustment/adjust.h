@@ -97,6 +97,9 @@ struct Adjustment {
   /// GNSS epochs whose position or velocity was rejected because it contradicts all other data;
   /// indices into Flight::gnss, in time order.
   std::vector<std::size_t> gnss_rejected;
+  /// Control points that were left out because they contradict all other data; indices into
+  /// ControlData::points.
+  std::vector<std::size_t> control_rejected;
   /// Test of the GNSS residuals for time-correlated errors, in the INS/GNSS solution without the
   /// rejected epochs. It is not made if another cause of the misfit was found.
   GnssCorrelation gnss_correlation;
@@ -137,5 +140,9 @@ struct Adjustment {
 /// The flight must outlive the adjustment, so a temporary flight does not compile.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 Adjustment Adjust(const Flight&& flight, const AdjustOptions& options = {}) = delete;
+
+/// Repeats the final least squares of an adjustment after a change of its network. Throws
+/// NotConverged and Interrupted.
+void AdjustAgain(const Flight& flight, const AdjustOptions& options, Adjustment* adjustment);
 
 }  // namespace dn

@@ -2,6 +2,7 @@
 
 #include <dn/adjustment/checks.h>
 #include <dn/adjustment/clocks.h>
+#include <dn/adjustment/control_checks.h>
 #include <dn/navigation/gnss_correlation.h>
 
 #include <Eigen/Core>
@@ -181,6 +182,22 @@ struct NetworkDiffers {
   bool contradicts = false;  ///< the difference is larger than the covariances explain
 };
 
+/// A control point contradicts all other data.
+struct ControlPointWrong {
+  ControlPointCheck point;
+};
+
+/// The control as a whole is shifted against the GNSS positions.
+struct ControlShifted {
+  ControlShift shift;
+};
+
+/// Many control points contradict the flight.
+struct ControlLeftOut {
+  long left_out = 0;
+  long points = 0;  ///< observations, with those left out
+};
+
 }  // namespace facts
 
 using Fact =
@@ -192,7 +209,8 @@ using Fact =
                  facts::GnssErrorsCorrelated, facts::SigmaTooLarge, facts::SigmaAbovePairs,
                  facts::AnglesInseparable, facts::TrajectoryEstimated, facts::AttitudeInPairs,
                  facts::StripsAlike, facts::FewPairs, facts::SigmasWidened, facts::NotEstimated,
-                 facts::NetworkDiffers>;
+                 facts::NetworkDiffers, facts::ControlPointWrong, facts::ControlShifted,
+                 facts::ControlLeftOut>;
 
 /// A fact for or against the assumed model, or a reason of the verdict.
 struct Finding {

@@ -95,6 +95,7 @@ class AdjustmentRun {
 ///   boresight start        | StartBoresight    | boresight alone, with the trajectory constant
 ///   lidar, robust          | SolvePairsRobustly| everything, with a robust loss on the pairs too
 ///   pair rejection         | RejectPairs       | rejects pairs whose residuals cannot be noise
+///   control                | UseControl        | activates the surveys of control points
 ///   inertial rate          | UseInertialRate  | with `inertial: raw`: nodes at all IMU epochs
 ///   before final           | AddOwnBeforeFinal | calls AdjustOptions::customise
 ///   final least squares    | SolveFinally      | integrates increments again, no robust loss
@@ -128,7 +129,9 @@ void SettleGnssClock(AdjustmentRun& run);
 /// fit.
 void ScreenGnss(AdjustmentRun& run);
 
-/// Adds the edges of the pairs. Throws InvalidInput if no pair joins two nodes.
+/// Adds the edges of the pairs and of the control. The surveys of control points are not active
+/// yet: a wrong one would bend the trajectory before the pairs are screened. Throws InvalidInput if
+/// no pair joins two nodes.
 void AddPairs(AdjustmentRun& run);
 
 /// Estimates the boresight alone by Gauss-Newton, with Cauchy weights at the median scale.
@@ -140,6 +143,9 @@ void SolvePairsRobustly(AdjustmentRun& run);
 
 /// Rejects the pairs whose residuals exceed the noise at the median scale.
 void RejectPairs(AdjustmentRun& run);
+
+/// Activates the surveys of all control points that are not checks.
+void UseControl(AdjustmentRun& run);
 
 /// With `inertial: raw`, makes the network again with nodes at every inertial epoch, from the
 /// present trajectory and with the measurements that are active. Does nothing if the network

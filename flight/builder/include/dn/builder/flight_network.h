@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/calibration_blocks.h>
+#include <dn/builder/control_edges.h>
 #include <dn/builder/edge_context.h>
 #include <dn/builder/gnss_edges.h>
 #include <dn/builder/inertial_edges.h>
@@ -50,8 +51,9 @@ struct FlightNetworkOptions {
 /// CalibrationBlocks, and the edges of each sensor. net() is an ordinary Network: you can add your
 /// own blocks and factors before solving, and they are treated like all others.
 ///
-/// The block names are in CalibrationBlocks and TrajectoryGraph. Factor groups: "inertial", "gnss
-/// position", "gnss velocity", "lidar p2p", "bias process", "gnss error process", "prior".
+/// The block names are in CalibrationBlocks, TrajectoryGraph and ControlEdges. Factor groups:
+/// "inertial", "gnss position", "gnss velocity", "lidar p2p", "bias process", "gnss error process",
+/// "prior", and those of ControlEdges.
 class FlightNetwork {
  public:
   /// Builds the inertial, GNSS and bias parts with nodes at node_t_s. The flight must outlive the
@@ -65,6 +67,10 @@ class FlightNetwork {
   /// the partial increments is evaluated only once. Throws like PairEdges::SetModel and
   /// PairEdges::Add.
   void AddPairs(const std::vector<LidarPair>& pairs);
+
+  /// Adds the control points and planes that have laser returns, which must outlive the network.
+  /// Call it with a trajectory that is already good, as AddPairs.
+  void AddControl(const ControlData& control) { parts_->control.Add(control); }
 
   /// Makes the factors of all edges again at the present biases and calibration. Factors replaced
   /// by the caller (Network::ReplaceFactor) stay unchanged.
@@ -122,6 +128,7 @@ class FlightNetwork {
   const InertialEdges& inertial() const { return parts_->inertial; }
   const GnssEdges& gnss() const { return parts_->gnss; }
   const PairEdges& pairs() const { return parts_->pairs; }
+  const ControlEdges& control() const { return parts_->control; }
 
  private:
   /// The parts refer to each other, so that they must not move.
@@ -137,6 +144,7 @@ class FlightNetwork {
     InertialEdges inertial;
     GnssEdges gnss;
     PairEdges pairs;
+    ControlEdges control;
   };
 
   std::function<PairModel(FlightNetwork&)> make_pair_model_;

@@ -67,6 +67,11 @@ struct EndAttachment {
   std::shared_ptr<const PreintegratedInertial> inertial = {};
 };
 
+/// Prepares the end of a laser vector for its factor, and adds the noise of its increments to the
+/// covariance of the point. Throws InvalidInput if the epoch is earlier than the node.
+LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, double tag_s,
+                    const Eigen::Vector3d& u_s, EndAttachment at, Eigen::Matrix3d* covariance_m2);
+
 /// Prepares a pair for its factor. Throws InvalidInput if an epoch is earlier than its node, or if
 /// the covariance of the pair is not finite and positive definite.
 PreparedPair PreparePair(const Flight& flight, const PairCalibration& calibration,

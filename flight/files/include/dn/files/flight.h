@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/files/control.h>
 #include <dn/files/flight_config.h>
 #include <dn/files/map_gnss.h>
 #include <dn/geo/trajectory.h>
@@ -20,6 +21,7 @@ struct FlightNeeds {
   bool gnss = false;
   bool pairs = false;
   bool trajectory = false;
+  bool control = false;  ///< reads the control files, if there are any
   /// Reads the parts that exist and leaves out missing ones (dn check).
   bool optional = false;
   /// With two or more, the reference is read in parallel with the inertial data.
@@ -37,6 +39,7 @@ struct Flight {
   std::optional<PairData> pairs;
   /// The strips found from all pairs before the selection (FindStrips).
   std::vector<StripInterval> pair_strips;
+  std::optional<ControlData> control;  ///< without returns in gaps of the IMU data
   std::optional<Trajectory> trajectory;
   std::optional<Trajectory> initial_guess;  ///< read if present
   std::optional<Trajectory> reference;      ///< read if present

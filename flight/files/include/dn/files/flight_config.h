@@ -107,6 +107,19 @@ struct NetworkConfig {
   std::optional<double> node_rate_hz;  ///< absent: auto
 };
 
+/// Section `control`: surveyed points and planes (dn/files/control.h).
+struct ControlConfig {
+  std::vector<std::string> files{"control/*.txt"};  ///< glob patterns
+  std::string crs;  ///< coordinates of the files, see TextCoordinates; empty: strips_crs
+  std::optional<Eigen::Vector3d> sigma_enu_m;  ///< if a file has no sigmas
+  std::optional<double> laser_sigma_m;         ///< noise of a return, see LaserSigma
+  /// Prior of a constant shift between the coordinates of the control and those of GNSS; absent:
+  /// there is none.
+  std::optional<Eigen::Vector3d> datum_shift_sigma_m;
+  std::vector<std::string> checks;  ///< names of points that are withheld
+  double search_radius_m = 1.0;     ///< of the returns around a point without a laser vector
+};
+
 /// The content of flight.yaml, checked, with defaults, converted to SI, radian and
 /// forward-right-down.
 struct FlightConfig {
@@ -123,6 +136,7 @@ struct FlightConfig {
   std::optional<GnssConfig> gnss;
   std::optional<LidarConfig> lidar;
   std::optional<TrajectoryConfig> trajectory;
+  std::optional<ControlConfig> control;  ///< absent: the defaults
   GhConfig gh;
   std::vector<EstimateEntry> estimate{{.unknown = "boresight"}};
   UnmodelledConfig unmodelled;

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <dn/adjustment/adjust.h>
+#include <dn/files/control.h>
+#include <dn/files/flight.h>
+#include <dn/files/strip_source.h>
+#include <dn/lidar/mounting.h>
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace dn {
+
+/// A laser return near a control point: its georeferenced position, and the reading.
+struct NearReturn {
+  Eigen::Vector3d x_m;  ///< map
+  double t_s = 0.0;
+  Eigen::Vector3d u_s;
+};
+
+/// A plane through the returns around a point, by robust least squares.
+struct SurfaceFit {
+  Eigen::Vector3d normal_m;          ///< unit, upwards, map axes
+  Eigen::Vector3d foot_m;            ///< point of the plane above or below the given point
+  double sigma_m = 0.0;              ///< of the plane at that point, along the normal
+  std::vector<std::size_t> inliers;  ///< indices of the returns that it fits
+};
+
+/// Fits a plane to the returns around the point `at_m`. Returns beyond three robust standard
+/// deviations are left out. Returns nullopt if fewer than six returns, or less than half of them,
+/// lie on one plane, if they do not surround the point, or if the plane is steeper than 60 deg.
+std::optional<SurfaceFit> FitSurface(const std::vector<NearReturn>& returns,
+                                     const Eigen::Vector3d& at_m);
+
+/// Returns whether control points without a laser vector could be found in the strips of the
+/// flight.
+bool NeedsControlSearch(const Flight& flight);
+
+/// Finds returns for the control points that have none, one per strip file that passes a point: the
+/// surface of the cloud at the point, from the returns within control.search_radius_m (of a plane:
+/// its extent). The laser vector is that of the return nearest to the point, moved onto the
+/// surface. `mounting` has the boresight with which the returns are georeferenced. Returns the
+/// number of points found.
+long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
+                        const Mounting& mounting, ControlData* control);
+
+/// Finds control in the strips with the trajectory and the boresight of an adjustment, and adjusts
+/// the flight again with it. Throws as Adjust and StripSource.
+void AddControlOfStrips(const AdjustOptions& options, Flight* flight, Adjustment* adjustment);
+
+}  // namespace dn
