@@ -11,7 +11,7 @@
 
 namespace dn::apps {
 
-/// Flat ground of a strip before and after its points were computed anew.
+/// Flat ground of a strip, from its points as they were and as they are now.
 struct StripSurfaces {
   std::string strip;
   FlatSurface before, after;

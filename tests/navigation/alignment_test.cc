@@ -163,8 +163,8 @@ TEST(Alignment, StaticStartWithNavigationGrade) {
   ExpectAligned(sim.flight, *sim.truth, alignment);
 }
 
-// The second differences of positions with errors of metres need long spacings, of which the drift
-// of these gyros leaves room for two.
+// The second differences of positions with errors of metres need long spacings. The drift of these
+// gyros leaves room for two.
 TEST(Alignment, MovingStartWithMetresOfGnssNoiseAndAPoorGyro) {
   SimulatedFlight sim = Fly(DroneScenario(), 6);
   Random random(7, "positions");
