@@ -2,6 +2,7 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
+#include <dn/diagnosis/control_output.h>
 #include <dn/files/pair_clock.h>
 #include <dn/files/strip_files.h>
 #include <dn/files/truth.h>
@@ -131,6 +132,9 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
       figures.correspondences, figures.outliers);
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
+  if (const auto& control = flight_run.solution->model_check().control) {
+    fmt::print("{}", ControlSummary(*control));
+  }
   PrintClocks(flight_run.solution->model_check().clocks);
   PrintNoise(flight_run.noise);
   PrintAssessment(boresight);
@@ -368,7 +372,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
   run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.pairs = needs.trajectory = true;
-  needs.imu = needs.gnss = with_network;
+  needs.imu = needs.gnss = needs.control = with_network;
   Flight flight = ReadFlight(config, needs);
   ExpectPairClock(flight);
   *read_s = flight.read_time_s;
@@ -385,9 +389,20 @@ void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
       FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.check, pairs, gh.timings)));
 }
 
+/// Says that a method on a fixed trajectory does not use the control of the flight.
+void WarnAboutControl(const FlightConfig& config, Run* run) {
+  if (!HasControl(config)) return;
+  const char* const kText =
+      "the control of the flight is not used: only the dynamic network (--method dn) estimates "
+      "with control points and predicts checks";
+  run->progress().Warn(kText);
+  run->report()["notes"] = {kText};
+}
+
 void RunGaussHelmert(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
   double read_s = 0.0;
   const Flight flight = ReadForGaussHelmert(config, false, &read_s, &run);
+  WarnAboutControl(config, &run);
   const GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
   AddGaussHelmertFiles(flight, gh, "", &run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
@@ -422,6 +437,7 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
   run.progress().Stage("reading " + config.folder.string());
   const Flight flight = ReadFlight(config, {.trajectory = true});
   run.report()["flight"] = config.name;
+  WarnAboutControl(config, &run);
   const PlaneRun planes = CalibrateByPlanes(options, flight, &run);
   AddPlaneFiles(config, planes, "", &run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));

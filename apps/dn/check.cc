@@ -24,8 +24,12 @@ namespace fs = std::filesystem;
 
 // Largest share of repeated rows that can occur by chance, e.g. with a coarse sensor at rest.
 constexpr double kRepeatedShare = 0.05;
-constexpr FlightNeeds kEverything{
-    .imu = true, .gnss = true, .pairs = true, .trajectory = true, .optional = true};
+constexpr FlightNeeds kEverything{.imu = true,
+                                  .gnss = true,
+                                  .pairs = true,
+                                  .trajectory = true,
+                                  .control = true,
+                                  .optional = true};
 
 struct CheckArguments {
   CommonOptions common;
@@ -89,8 +93,8 @@ Contents ReadContents(const FlightConfig& config) {
     return {ReadFlight(config, kEverything), {}, nullptr};
   } catch (const InvalidInput&) {
     PartReader reader(config);
-    for (const auto part :
-         {&FlightNeeds::imu, &FlightNeeds::gnss, &FlightNeeds::trajectory, &FlightNeeds::pairs}) {
+    for (const auto part : {&FlightNeeds::imu, &FlightNeeds::gnss, &FlightNeeds::trajectory,
+                            &FlightNeeds::pairs, &FlightNeeds::control}) {
       reader.Try(part);
     }
     return reader.Take();
@@ -225,6 +229,23 @@ struct CommandVerdict {
   std::string why;  ///< the work of the command, or the missing data
 };
 
+void SummariseControl(const ControlData& control, Json* json) {
+  const auto count = [&](const auto& counts) {
+    return std::count_if(control.points.begin(), control.points.end(), counts);
+  };
+  const auto checks = count([](const ControlPoint& point) { return point.is_check; });
+  const auto planes = count([](const ControlPoint& point) { return point.plane.has_value(); });
+  const auto vectors = count([](const ControlPoint& point) { return !point.returns.empty(); });
+  fmt::print(
+      "control         {} observations and {} checks, {} of them planes, {} with a laser "
+      "vector\n",
+      static_cast<long>(control.points.size()) - checks, checks, planes, vectors);
+  (*json)["control"] = {{"points", control.points.size()},
+                        {"checks", checks},
+                        {"planes", planes},
+                        {"with_vector", vectors}};
+}
+
 std::string Missing(const std::vector<std::pair<std::string, bool>>& needs) {
   std::string missing;
   for (const auto& [what, there] : needs) {
@@ -338,6 +359,7 @@ void Summarise(const Flight& flight, Json* json) {
   if (agreement.directions) SummariseAxes(*agreement.directions, json);
   if (flight.gnss && !flight.gnss->epochs.empty()) SummariseGnss(flight, json);
   if (flight.pairs && !flight.pairs->pairs.empty()) SummarisePairs(flight, json);
+  if (flight.control) SummariseControl(*flight.control, json);
   if (flight.trajectory) {
     fmt::print("trajectory      {} points, {:.3f} .. {:.3f} s\n",
                flight.trajectory->points().size(), flight.trajectory->t_begin_s(),

@@ -1,9 +1,11 @@
 #include "flight_run.h"
 
+#include <dn/adjustment/control_search.h>
 #include <dn/adjustment/gnss_errors.h>
 #include <dn/adjustment/left_out_gnss.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
+#include <dn/diagnosis/reject_control.h>
 #include <dn/error.h>
 #include <dn/files/pair_clock.h>
 #include <dn/parallel.h>
@@ -87,6 +89,23 @@ std::string RejectedCountsText(const LeftOutGnss& out) {
   return out.velocities == 0 ? positions : positions + " and " + velocities;
 }
 
+/// Returns a warning about control points that are not used; empty if all are.
+std::string ControlWarning(const FlightRun& flight_run) {
+  const auto& control = flight_run.flight.control;
+  const std::vector<ControlNode>& used = flight_run.adjustment().network->control().points();
+  if (!control || used.size() == control->points.size()) return {};
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < control->points.size(); ++k) {
+    const bool found = std::any_of(used.begin(), used.end(),
+                                   [&](const ControlNode& node) { return node.point == k; });
+    if (!found) names.push_back(control->points[k].name);
+  }
+  return fmt::format(
+      "{} of {} control points have no laser return, the first is {}: give its laser vector and "
+      "epoch (t, ux, uy, uz), or put a cloud that covers it into strips/",
+      names.size(), control->points.size(), names.front());
+}
+
 std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<std::string> warnings = flight_run.hints;
   std::vector<Finding> findings = flight_run.adjustment().warnings;
@@ -97,6 +116,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   const auto warning = GnssErrorWarning(flight_run.adjustment());
   if (warning && !usual) findings.push_back(*warning);
   for (const std::string& text : Words(findings)) warnings.push_back(text);
+  if (const std::string text = ControlWarning(flight_run); !text.empty()) warnings.push_back(text);
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
     const MapGnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
@@ -161,6 +181,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.imu = true;
   needs.gnss = true;
   needs.pairs = with_pairs;
+  needs.control = with_pairs;
   needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
   ExpectPairClock(flight);
@@ -183,13 +204,19 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   };
   options.interrupted = [] { return apps::SignalReceived(); };
   Adjustment adjustment = AdjustNamingCauses(options, result.get(), run);
+  if (NeedsControlSearch(result->flight)) {
+    run->progress().Stage("control in the strips");
+    run->ReadsStrips();
+    AddControlFromStrips(options, &result->flight, &adjustment);
+  }
   result->timings.solve_s = solve_watch.seconds();
 
   const Stopwatch covariance_watch;
   run->progress().Stage("covariances");
-  const Solution& solution = result->solution.emplace(std::move(adjustment), options.threads);
-  solution.trajectory();
+  result->solution.emplace(std::move(adjustment), options.threads).trajectory();
   run->progress().Stage("model check");
+  RejectWrongControl(result->flight, options, &result->solution);
+  const Solution& solution = *result->solution;
   solution.model_check();
   result->modelled = DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads);
   result->trajectory = Trajectory(solution.CheckedTrajectory(result->modelled));

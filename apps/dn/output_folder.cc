@@ -58,7 +58,7 @@ void AddAccuracy(const FlightConfig& config, Inputs* inputs) {
 }
 
 void AddFolder(const fs::path& folder, Inputs* inputs) {
-  for (const fs::path& each : {folder, folder / "lidar", folder / "strips"}) {
+  for (const fs::path& each : {folder, folder / "lidar", folder / "strips", folder / "control"}) {
     inputs->folders.push_back(each);
   }
 }
@@ -83,6 +83,10 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
     if (config.imu) AddData(folder / config.imu->file, inputs);
     if (config.gnss) AddData(folder / config.gnss->file, inputs);
     if (config.trajectory) AddData(folder / config.trajectory->file, inputs);
+    if (HasControl(config)) {
+      const ControlConfig control = config.control.value_or(ControlConfig());
+      for (const fs::path& file : FindPairFiles(folder, control.files)) AddData(file, inputs);
+    }
     inputs->strips = FindStripFiles(folder);
     AddCircularLinks(folder, inputs);
     if (config.trajectory) AddAccuracy(config, inputs);

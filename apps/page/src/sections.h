@@ -66,6 +66,9 @@ std::vector<std::string> FirstReasons(const Facts& assessment);
 /// Returns the groups, effects, clocks and findings of the model check.
 Section ModelCheckSection(const Facts& result);
 
+/// Returns the control points, the accuracy by withheld checks, and the shift of the datum.
+Section ControlSection(const Facts& result);
+
 /// Returns the detection limits of `could_still_hide`: the sizes from which each effect is
 /// detectable and identifiable, and the shift of the boresight.
 Section UndetectableSection(const Facts& effects);

@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -16,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kFewestReturns = 6;
 constexpr int kFitSteps = 10;
+constexpr int kAbsoluteSteps = 50;
 constexpr double kOutlierSigmas = 3.0;
 constexpr double kLeastNormalUp = 0.5;  // a slope of 60 deg
 constexpr double kLeastSigmaM = 1e-3;
@@ -39,7 +41,10 @@ class SurfaceFitter {
   }
 
   std::optional<SurfaceFit> Run() {
-    PlaneCoefficients plane;
+    if (used_.size() < kFewestReturns) return std::nullopt;
+    PlaneCoefficients plane = LeastAbsolute();
+    if (!plane.determined) return std::nullopt;
+    Trim(plane.c);
     for (int step = 0; step < kFitSteps; ++step) {
       if (used_.size() < kFewestReturns) return std::nullopt;
       plane = Solve();
@@ -59,12 +64,25 @@ class SurfaceFitter {
   }
   double Height(std::size_t k) const { return (returns_[k].x_m - at_m_).z(); }
 
-  PlaneCoefficients Solve() const {
+  /// Returns the plane with the least sum of absolute residuals, which outliers do not tilt.
+  PlaneCoefficients LeastAbsolute() const {
+    PlaneCoefficients plane = Solve();
+    for (int step = 0; step < kAbsoluteSteps && plane.determined; ++step) {
+      const Vector3d c = plane.c;
+      plane = Solve([&](std::size_t k) {
+        return 1.0 / std::max(kLeastSigmaM, std::abs(Height(k) - Row(k).dot(c)));
+      });
+    }
+    return plane;
+  }
+
+  PlaneCoefficients Solve(const std::function<double(std::size_t)>& weight = nullptr) const {
     Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
     for (const std::size_t k : used_) {
-      N += Row(k) * Row(k).transpose();
-      b += Row(k) * Height(k);
+      const double w = weight ? weight(k) : 1.0;
+      N += w * Row(k) * Row(k).transpose();
+      b += w * Row(k) * Height(k);
     }
     const Eigen::ColPivHouseholderQR<Eigen::Matrix3d> qr(N);
     PlaneCoefficients plane;
@@ -204,7 +222,7 @@ long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
                        [](const ControlPoint* point) { return !point->returns.empty(); });
 }
 
-void AddControlOfStrips(const AdjustOptions& options, Flight* flight, Adjustment* adjustment) {
+void AddControlFromStrips(const AdjustOptions& options, Flight* flight, Adjustment* adjustment) {
   const CalibrationState calibration = adjustment->network->calibration().State();
   const LidarConfig& lidar = *flight->config.lidar;
   StripSourceOptions source;

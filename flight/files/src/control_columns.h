@@ -36,9 +36,9 @@ enum class ControlColumn {
 /// The columns of a control file, in the order of the file.
 class ControlColumns {
  public:
-  /// Returns the columns that a line names, or nullopt if the line is no header: one of its words
-  /// is not the name of a column. Throws InvalidInput for a header that names a column twice, lacks
-  /// the name or a coordinate, or has only a part of a group such as t, ux, uy, uz.
+  /// Returns the columns that a line names. Returns nullopt if the line is not a header: one of its
+  /// words names none of the columns. Throws InvalidInput for a header that names a column twice,
+  /// lacks the name or a coordinate, or has only a part of a group such as t, ux, uy, uz.
   static std::optional<ControlColumns> FromHeader(const std::vector<std::string_view>& words,
                                                   const FileLocation& where);
 

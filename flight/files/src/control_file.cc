@@ -63,7 +63,7 @@ class RowReader {
   }
 
   std::string ReadPointName() const {
-    const std::string name(fields_[*columns_.Find(C::kName)]);
+    std::string name(fields_[*columns_.Find(C::kName)]);
     if (name.empty() || name.size() > kLongestName || WithoutControls(name) != name) {
       Fail("the name of a point must have 1 to 60 printable characters");
     }
@@ -177,7 +177,7 @@ class FileRows {
     columns_ = ControlColumns::FromHeader(words, where);
   }
 
-  /// Throws InvalidInput for a first row of words, some of which name no column.
+  /// Throws InvalidInput for a first row of words with one that names none of the columns.
   static void ExpectNoHeader(const Fields& fields, const FileLocation& where) {
     for (const std::string_view field : fields) {
       if (FieldNumber(field)) return;

@@ -92,8 +92,8 @@ class LidarPointBetweenNodes {
 
 namespace factors_internal {
 
-/// Returns the factor by which a Jacobian with respect to the turned boresight Exp(theta) (left
-/// tangent) becomes one with respect to the block q_boresight.
+/// Returns d theta' / d theta of the left tangents: the Jacobian with respect to the turned
+/// boresight Exp(theta), times this, is the one with respect to the block q_boresight.
 Eigen::Matrix3d FromBoresightBlock(const Eigen::Vector3d& theta, const double* q_boresight);
 
 }  // namespace factors_internal

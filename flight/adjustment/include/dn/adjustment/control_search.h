@@ -48,6 +48,6 @@ long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
 
 /// Finds control in the strips with the trajectory and the boresight of an adjustment, and adjusts
 /// the flight again with it. Throws as Adjust and StripSource.
-void AddControlOfStrips(const AdjustOptions& options, Flight* flight, Adjustment* adjustment);
+void AddControlFromStrips(const AdjustOptions& options, Flight* flight, Adjustment* adjustment);
 
 }  // namespace dn

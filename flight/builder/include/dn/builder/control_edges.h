@@ -36,9 +36,9 @@ struct ControlNode {
 /// The edges of laser returns on control points and planes (PointToControl). Each return is
 /// attached to the node before its epoch.
 ///
-/// Block names: "control/<name>" for the deviation of a point, "control_datum_shift". Factor groups:
-/// "control" and "control plane" for the survey, "lidar control" and "lidar control plane" for the
-/// returns.
+/// Block names: "control/<name>" for the deviation of a point, "control_datum_shift". Factor
+/// groups: "control" and "control plane" for the survey, "lidar control" and "lidar control plane"
+/// for the returns, "withheld control" for those on checks.
 class ControlEdges {
  public:
   ControlEdges(const EdgeContext& context, const InertialEdges& inertial, Network* net)
