@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/factors/point_to_point_between_nodes.h>
+#include <dn/rotation.h>
 
 namespace dn {
 namespace {
@@ -85,10 +86,11 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
   Put(3, x, J, J_q_j);
   Put(4, x, J, Matrix3d(-W_ * j.p));
   Put(5, x, J, Matrix3d(-W_ * j.v));
-  const auto from_block = [&](const State& at) {
-    return factors_internal::FromBoresightBlock(at.theta, x[kMountingBlock]);
-  };
-  Put(6, x, J, Matrix3d(W_ * (i.theta * from_block(at_i) - j.theta * from_block(at_j))));
+  const auto left_jacobian = [](const Vector3d& phi) { return RightJacobian(Vector3d(-phi)); };
+  const Matrix3d from_block = left_jacobian(Log(Eigen::Quaterniond(x[kMountingBlock]))).inverse();
+  Put(6, x, J,
+      Matrix3d(W_ * (i.theta * left_jacobian(at_i.theta) - j.theta * left_jacobian(at_j.theta)) *
+               from_block));
   Put(7, x, J, Matrix3d(W_ * (i.a_b - j.a_b)));
   Put(8, x, J, Vector3d(-W_ * (i.rate - j.rate)));
   if (blocks_.num_effects() == 0) return true;
