@@ -3,6 +3,7 @@
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED)
 find_package(DnGeographicLib REQUIRED)
+find_package(PROJ 9 REQUIRED CONFIG)
 find_package(DnBlas REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)

@@ -23,7 +23,7 @@ endif()
 # Layers with readers. Only their code guides the fuzzer, so that the tests of the other layers run
 # at full speed in the same build. These are the flags of -fsanitize=fuzzer-no-link, by themselves
 # because clang does not share precompiled headers between sanitizers.
-set(DN_FUZZED_LAYERS core geo config report effects imu gnss lidar files sim study montecarlo
+set(DN_FUZZED_LAYERS core geo config report effects imu gnss lidar files sim study fleet montecarlo
   blind_check fuzz_readers)
 function(dn_guide_fuzzer layer)
   if(DN_BUILD_FUZZ AND layer IN_LIST DN_FUZZED_LAYERS)

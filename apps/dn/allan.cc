@@ -21,12 +21,28 @@ struct AllanArguments {
   std::filesystem::path file;
   double rate_hz = 0.0;
   std::string format = "odyn";
+  std::string rate_unit = "rad/s", force_unit = "m/s^2";
+  ColumnNames columns;
   std::string body = "FRD";
 };
 
 // Largest relative difference between --rate and the rate of the time tags. A larger one indicates
 // another file or another sensor.
 constexpr double kRateTolerance = 0.01;
+
+/// Accepts one name of a column.
+CLI::Validator ColumnName() {
+  const auto check = [](const std::string& name) {
+    try {
+      const bool is_time = HasColumn({name}, "t");
+      CheckColumnNames(is_time ? ColumnNames{name} : ColumnNames{"t", name}, ImuQuantities());
+    } catch (const InvalidInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  return {check, ""};
+}
 
 /// Units of one sensor, as flight.yaml uses them.
 struct SensorUnits {
@@ -315,6 +331,9 @@ void Allan(const AllanArguments& options, Run& run) {
   run.progress().Stage("reading " + options.file.string());
   ImuReadOptions read;
   read.format = options.format == "odyn" ? ImuFormat::kOdyn : ImuFormat::kIncrements;
+  if (options.rate_unit == "deg/s") read.rate_unit_radps = kRadPerDeg;
+  if (options.force_unit == "g") read.force_unit_mps2 = kStandardGravityMps2;
+  read.columns = options.columns;
   if (options.body == "FLU") read.R_imu_to_body.diagonal() << 1.0, -1.0, -1.0;
   const ImuData imu = ReadImu(options.file, read);
   CheckRecord(options, imu);
@@ -330,9 +349,11 @@ void Allan(const AllanArguments& options, Run& run) {
   run.AddFile("allan.csv", Csv(sensors));
   const std::string yaml = NoiseYaml(sensors, options, imu);
   run.AddFile("noise.yaml", yaml);
-  run.AddFile("config.resolved.yaml",
-              fmt::format("file: {}\nrate_hz: {}\nformat: {}\nbody: {}\n", options.file.string(),
-                          options.rate_hz, options.format, options.body));
+  run.AddFile(
+      "config.resolved.yaml",
+      fmt::format("file: {}\nrate_hz: {}\nformat: {}\nrate_unit: {}\nforce_unit: {}\nbody: {}\n",
+                  options.file.string(), options.rate_hz, options.format, options.rate_unit,
+                  options.force_unit, options.body));
   for (const Sensor& sensor : sensors) AddPlot(sensor, &run);
   run.report()["warnings"] = warnings;
   run.report()["counts"] = {{"imu epochs", imu.samples.size()},
@@ -358,6 +379,19 @@ void AddAllan(CLI::App* program, Action* action) {
                   "File format, odyn or increments, as imu.format of flight.yaml")
       ->check(AllowedValues({"odyn", "increments"}))
       ->capture_default_str();
+  app->add_option("--rate-unit", options->rate_unit,
+                  "Unit of the rates, rad/s or deg/s (of increments: rad or deg)")
+      ->check(AllowedValues({"rad/s", "deg/s"}))
+      ->capture_default_str();
+  app->add_option("--force-unit", options->force_unit,
+                  "Unit of the forces, m/s^2 or g (of increments: m/s or g s)")
+      ->check(AllowedValues({"m/s^2", "g"}))
+      ->capture_default_str();
+  app->add_option("--columns", options->columns,
+                  "Names of the columns of a file with others, as imu.columns of flight.yaml: "
+                  "t,fx,fy,fz,wx,wy,wz")
+      ->delimiter(',')
+      ->check(ColumnName());
   app->add_option("--body", options->body,
                   "Body axes of the file: FRD (forward, right, down) or FLU (forward, left, up)")
       ->check(AllowedValues({"FRD", "FLU"}))

@@ -20,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Path of the running program; still valid if its file has been replaced since the start.
-constexpr const char* kProgram = "/proc/self/exe";
 constexpr double kLongestRun_s = 3600.0;
 
 std::string LastLine(const fs::path& file) {
@@ -113,14 +111,13 @@ void RemoveStaged(const fs::path& out) {
 template <class T, class Read>
 Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path& out,
                       const std::string& result_name, const Read& read) {
-  std::vector<std::string> command{kProgram};
+  std::vector<std::string> command{kThisProgram};
   command.insert(command.end(), arguments.begin(), arguments.end());
   command.insert(command.end(), {"--threads", "1", "--out", out.string()});
   fs::path log = out;
   log += ".log";
   const ProcessUsage usage =
       RunProgram(command, log, {kLongestRun_s, [] { return SignalReceived(); }});
-  constexpr int kFirstSignal = 128;
   if (usage.exit_code > kFirstSignal) RemoveStaged(out);
   Outcome<T> outcome;
   outcome.time_s = usage.wall_s;

@@ -2,6 +2,7 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
+#include <dn/files/pair_clock.h>
 #include <dn/files/strip_files.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
@@ -10,11 +11,14 @@
 
 #include <algorithm>
 
+#include "calibrate_flights.h"
 #include "calibrate_planes.h"
 #include "calibrate_strips.h"
+#include "flight_identity.h"
 #include "flight_run.h"
 #include "given_trajectory.h"
 #include "new_strips.h"
+#include "noise_output.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -22,10 +26,12 @@ namespace {
 
 struct CalibrateOptions {
   CommonOptions common;
-  std::string flight;
+  std::vector<std::string> flights;
+  std::string flight;  ///< the first one
   std::string method;  ///< empty: chosen from the available data
   std::string trajectory;
   bool georef = false;  ///< also georeferences the strips with the result
+  FleetOptions fleet;   ///< for several flights
 };
 
 void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
@@ -126,6 +132,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintClocks(flight_run.solution->model_check().clocks);
+  PrintNoise(flight_run.noise);
   PrintAssessment(boresight);
   fmt::print("{}", ContributionsSummary(boresight));
   PrintUndetectable(flight_run.solution->model_check().undetectable);
@@ -297,17 +304,24 @@ void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
 }
 
 /// Stages the files of the dynamic network. suffix: distinguishes the methods of a run.
-void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* run) {
+void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
+                     const std::string& suffix, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
   AddSwaths(flight_run.flight, network.pairs, network.poses, run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
-  const std::string result = FormatJson(
+  Json json =
       CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
                       flight_run.solution->trajectory(), flight_run.solution->model_check(),
-                      network.boresight, network.unknowns, network.pairs, flight_run.timings));
+                      network.boresight, network.unknowns, network.pairs, flight_run.timings);
+  if (flight_run.noise) json["noise"] = NoiseJson(*flight_run.noise);
+  const std::string result = FormatJson(json);
   run->AddFile("result" + suffix + ".json", result);
   if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use
+  ReducedFlight reduced = ReduceFlight(*flight_run.solution, network.boresight);
+  SetIdentity(ReadFlightConfig(options.flight, options.common.changes), options.common.changes,
+              &reduced);
+  run->AddFile("reduced.json", FormatJson(ReducedFlightJson(reduced)));
   FillReport(flight_run, run);
 }
 
@@ -340,7 +354,7 @@ void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
 
 void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
   const NetworkRun network = CalibrateByNetwork(AdjustFlight(config, true, &run));
-  AddNetworkFiles(network, "", &run);
+  AddNetworkFiles(network, options, "", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   if (options.georef) {
     AddNewStrips(network.flight_run->flight.config, network.boresight,
@@ -356,6 +370,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
   needs.pairs = needs.trajectory = true;
   needs.imu = needs.gnss = with_network;
   Flight flight = ReadFlight(config, needs);
+  ExpectPairClock(flight);
   *read_s = flight.read_time_s;
   return flight;
 }
@@ -469,7 +484,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
       {"gh", &gh.calibration.boresight}, {"dn", &network.boresight}};
   std::vector<std::pair<std::string, std::string>> absent;
   FillReport(network.flight_run->flight, gh, &run);
-  AddNetworkFiles(network, "_dn", &run);
+  AddNetworkFiles(network, options, "_dn", &run);
   AddGaussHelmertFiles(network.flight_run->flight, gh, "_gh", &run);
   if (planes.run) {
     AddPlaneFiles(config, *planes.run, "_planes", &run);
@@ -508,7 +523,29 @@ void CalibrateBy(const Methods& methods, const CalibrateOptions& options,
   }
 }
 
+void CalibrateSeveral(const CalibrateOptions& options, Run& run) {
+  const auto refuse = [](bool given, const char* option) {
+    if (!given) return;
+    throw InvalidConfig(
+        std::string("several flights are calibrated by the dynamic network, without ") + option +
+        "; leave it out, or give one flight");
+  };
+  refuse(!options.method.empty() && options.method != "dn", "--method");
+  refuse(!options.trajectory.empty(), "--trajectory");
+  refuse(options.georef, "--georef");
+  CalibrateFlights(options.flights, options.common.changes, options.fleet, run);
+}
+
 void Calibrate(const CalibrateOptions& options, Run& run) {
+  if (options.flights.size() > 1) {
+    CalibrateSeveral(options, run);
+    return;
+  }
+  if (!options.fleet.across.empty() || options.fleet.include_uncalibrated) {
+    throw InvalidConfig(
+        "--across and --include-uncalibrated are for several flights, but there is "
+        "one; give the others, too");
+  }
   const FlightConfig config =
       WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
@@ -534,8 +571,14 @@ void AddCalibrate(CLI::App* program, Action* action) {
                                           "`estimate`) from raw inertial, GNSS and lidar data "
                                           "(dn), or from a smoothed trajectory and lidar data "
                                           "(gh, planes)");
-  AddFlightOptions(app, &options->flight, &options->common);
+  app->add_option("FLIGHT", options->flights,
+                  "Flight folder or YAML file of a flight. Several flights: one boresight for all, "
+                  "from each flight's own adjustment in --out/<flight>, or from result folders of "
+                  "earlier calibrations")
+      ->required();
+  AddChanges(app, "flight.yaml", "gnss.sigma_scale=2", &options->common);
   AddUnmodelled(app, &options->common);
+  AddFleetOptions(app, &options->fleet);
   app->add_option(
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a fixed trajectory; planes: planes "
@@ -553,9 +596,13 @@ void AddCalibrate(CLI::App* program, Action* action) {
   app->footer(
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");
   app->callback([options, action] {
+    options->flight = options->flights.front();
+    options->common.resumable = options->flights.size() > 1;
     *action = [options] {
       options->common.inputs =
-          FlightInputs(options->flight, options->common.changes, options->trajectory);
+          options->flights.size() > 1
+              ? FleetInputs(options->flights, options->common.changes)
+              : FlightInputs(options->flight, options->common.changes, options->trajectory);
       return Execute("calibrate", options->common, [&](Run& run) { Calibrate(*options, run); });
     };
   });

@@ -7,6 +7,12 @@
 
 namespace dn::apps {
 
+/// Path of the running program; still valid if its file has been replaced since the start.
+inline constexpr const char* kThisProgram = "/proc/self/exe";
+
+/// Exit code of a process that a signal killed, minus the number of the signal.
+inline constexpr int kFirstSignal = 128;
+
 /// Exit code and resource usage of a finished process.
 struct ProcessUsage {
   int exit_code = -1;  ///< 128 + signal number if a signal killed the process

@@ -2,6 +2,8 @@
 
 #include <dn/axis_names.h>
 #include <dn/builder/gnss_factors.h>
+#include <dn/files/file_content.h>
+#include <dn/files/pair_clock.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
 
@@ -94,8 +96,9 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
 void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<DataHint>* hints) {
   if (turns.correlation < -kMirroredTurns) {
     hints->push_back(
-        {"the course turns opposite to the gyros: latitude and longitude may "
-         "be exchanged in gnss.file, or an axis of imu.file has the wrong sign",
+        {"the course turns opposite to the gyros: latitude and longitude may be exchanged in "
+         "gnss.file, or in imu.file an axis or all specific forces have the wrong sign (name these "
+         "columns -fx, -fy, -fz in imu.columns)",
          "", ""});
     return;
   }
@@ -207,12 +210,56 @@ void HintCoordinates(const Flight& flight, std::vector<DataHint>* hints) {
   HintVelocities(flight, hints);
 }
 
+/// Compares the columns of a text trajectory with those that fit the course.
+void HintAttitude(const Flight& flight, std::vector<DataHint>* hints) {
+  if (!flight.trajectory || !flight.config.trajectory) return;
+  const TrajectoryConfig& config = *flight.config.trajectory;
+  const FileContent content = InspectFile(flight.config.folder / config.file);
+  if (content.kind != FileKind::kTrajectory || !content.trajectory) return;
+  const std::string file = "the attitudes of " + config.file + " follow the course ";
+  if (!content.columns.empty() && config.columns.names.empty()) {
+    hints->push_back({file + "in another order of the columns: " + content.why,
+                      "trajectory.columns", FormatColumnNames(content.columns)});
+    return;
+  }
+  // Without motion, the content says no more than the default.
+  const TrajectoryColumns::Attitude found = content.trajectory->attitude;
+  if (found == config.columns.attitude || found == TrajectoryColumns::Attitude::kQuaternionNed) {
+    return;
+  }
+  hints->push_back({file + "in another convention", "trajectory.attitude", AttitudeWord(found)});
+}
+
+void HintPairClock(const Flight& flight, std::vector<DataHint>* hints) {
+  const std::optional<double> offset_s = FindPairClockOffset(flight);
+  if (!offset_s) return;
+  hints->push_back(
+      {"the ground points of the pairs do not agree as tagged; the time tags of the "
+       "pairs seem " +
+           LidarClockHint(*offset_s, flight.config.lidar->time_offset_s),
+       "", ""});
+}
+
 }  // namespace
 
 std::string AxesName(const Eigen::Matrix3d& R_imu_to_body) {
   std::string name;
   for (int axis = 0; axis < 3; ++axis) name += Letter(R_imu_to_body.col(axis));
   return name;
+}
+
+const char* AttitudeWord(TrajectoryColumns::Attitude attitude) {
+  switch (attitude) {
+    case TrajectoryColumns::Attitude::kQuaternionNed:
+      break;
+    case TrajectoryColumns::Attitude::kQuaternionEnu:
+      return "quaternion_enu";
+    case TrajectoryColumns::Attitude::kRollPitchHeading:
+      return "roll_pitch_heading_deg";
+    case TrajectoryColumns::Attitude::kRollPitchYawEnu:
+      return "roll_pitch_yaw_enu_deg";
+  }
+  return "quaternion_ned";
 }
 
 std::string HintText(const DataHint& hint) {
@@ -271,6 +318,8 @@ std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agree
   if (flight.gnss && !flight.gnss->epochs.empty()) HintCoordinates(flight, &hints);
   if (agreement.turns) HintTurns(flight, *agreement.turns, &hints);
   if (agreement.directions) HintAxes(flight, *agreement.directions, &hints);
+  HintAttitude(flight, &hints);
+  HintPairClock(flight, &hints);
   return hints;
 }
 

@@ -34,6 +34,9 @@ std::string HintText(const DataHint& hint);
 /// Describes a mistake in the axes of imu.file and its remedy.
 std::string HintText(const AxesMistake& mistake);
 
+/// Returns the word of flight.yaml for an attitude convention.
+const char* AttitudeWord(TrajectoryColumns::Attitude attitude);
+
 /// Returns the axes of the data as three letters, e.g. RFU: x right, y forward, z up.
 /// R_imu_to_body: signed permutation from the data's axes to forward-right-down.
 std::string AxesName(const Eigen::Matrix3d& R_imu_to_body);

@@ -64,20 +64,6 @@ const char* GnssFormatWord(GnssFormat format) {
   return "odyn";
 }
 
-const char* AttitudeWord(TrajectoryColumns::Attitude attitude) {
-  switch (attitude) {
-    case TrajectoryColumns::Attitude::kQuaternionNed:
-      break;
-    case TrajectoryColumns::Attitude::kQuaternionEnu:
-      return "quaternion_enu";
-    case TrajectoryColumns::Attitude::kRollPitchHeading:
-      return "roll_pitch_heading_deg";
-    case TrajectoryColumns::Attitude::kRollPitchYawEnu:
-      return "roll_pitch_yaw_enu_deg";
-  }
-  return "quaternion_ned";
-}
-
 bool IsInGrid(const FileContent& file) { return file.trajectory && file.trajectory->crs == "utm:"; }
 
 std::string FindUtmZone(const Geodetic& place) {
@@ -127,6 +113,12 @@ std::size_t CountWithoutVectors(const fs::path& folder) {
   }));
 }
 
+std::string ColumnNamesText(const FileContent& content) {
+  if (content.columns.empty()) return {};
+  return fmt::format("  columns: {}   # in the order of the file\n",
+                     FormatColumnNames(content.columns));
+}
+
 std::string ListText(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", FormatDouble(v[0]), FormatDouble(v[1]), FormatDouble(v[2]));
 }
@@ -142,34 +134,36 @@ std::string FlightDraft::Named(const fs::path& file) const {
   return file.lexically_relative(folder_).generic_string();
 }
 
+void FlightDraft::TakeOne(const FileContent& content, const char* usual, const char* what,
+                          std::optional<FileContent>* place) {
+  const bool better = *place && Named(content.file) == usual;
+  if (*place) {
+    const FileContent& other = better ? **place : content;
+    const FileContent& used = better ? content : **place;
+    notes_.push_back(
+        fmt::format("{} also contains {}; {} is used", Named(other.file), what, Named(used.file)));
+    others_.push_back(other);
+  }
+  if (!*place || better) *place = content;
+}
+
 void FlightDraft::Take(const FileContent& content) {
   const std::string name = Named(content.file);
-  const auto take_one = [&](std::optional<FileContent>* place, const char* usual,
-                            const char* what) {
-    const bool better = *place && name == usual;
-    if (*place && !better) {
-      notes_.push_back(
-          fmt::format("{} also contains {}; {} is used", name, what, Named((*place)->file)));
-      return;
-    }
-    if (better) {
-      notes_.push_back(
-          fmt::format("{} also contains {}; {} is used", Named((*place)->file), what, name));
-    }
-    *place = content;
-  };
+  if (content.kind != FileKind::kUnknown && !content.why.empty()) {
+    notes_.push_back(name + ": " + content.why);
+  }
   switch (content.kind) {
     case FileKind::kImu:
-      take_one(&imu_, kDefaultImu, "inertial data");
+      TakeOne(content, kDefaultImu, "inertial data", &imu_);
       break;
     case FileKind::kGnss:
-      take_one(&gnss_, kDefaultGnss, "GNSS data");
+      TakeOne(content, kDefaultGnss, "GNSS data", &gnss_);
       break;
     case FileKind::kTrajectory:
-      take_one(&trajectory_, "trajectory.out", "a trajectory");
+      TakeOne(content, "trajectory.out", "a trajectory", &trajectory_);
       break;
     case FileKind::kSmrmsg:
-      take_one(&smrmsg_, "", "standard deviations");
+      TakeOne(content, "", "standard deviations", &smrmsg_);
       break;
     case FileKind::kPairs:
       pairs_.push_back(content);
@@ -183,16 +177,46 @@ void FlightDraft::Take(const FileContent& content) {
   }
 }
 
+void FlightDraft::TakeReadable(FileKind kind, std::optional<FileContent>* place) {
+  while (*place) {
+    try {
+      const std::string text = kind == FileKind::kImu ? ImuText() : GnssText();
+      ReadFlight(ParseFlightConfig(text, folder_),
+                 {.imu = kind == FileKind::kImu, .gnss = kind == FileKind::kGnss});
+      return;
+    } catch (const InvalidInput& error) {
+      const FileLocation& where = error.where();
+      const std::string line = where.line > 0 ? fmt::format(" (line {})", where.line) : "";
+      notes_.push_back(Named((*place)->file) + " is not used: " + error.what() + line);
+      place->reset();
+    }
+    const auto next = std::ranges::find(others_, kind, &FileContent::kind);
+    if (next == others_.end()) return;
+    *place = *next;
+    (kind == FileKind::kImu ? imu_offset_s_ : gnss_offset_s_) = next->time_offset_s;
+    others_.erase(next);
+  }
+}
+
 void FlightDraft::Settle() {
   if (imu_) imu_offset_s_ = imu_->time_offset_s;
   if (gnss_) gnss_offset_s_ = gnss_->time_offset_s;
-  const auto read = [&] {
-    FlightNeeds needs{.imu = imu_.has_value(), .gnss = gnss_.has_value()};
-    return ReadFlight(ParseFlightConfig(SensorsText(), folder_), needs);
-  };
+  TakeReadable(FileKind::kImu, &imu_);
+  TakeReadable(FileKind::kGnss, &gnss_);
+  try {
+    SettleSensors();
+  } catch (const InvalidInput& error) {
+    axes_notes_.push_back(std::string("inertial and GNSS data do not fit each other: ") +
+                          error.what());
+  }
+  SettleScanner();
+}
+
+void FlightDraft::SettleSensors() {
   // The clocks come first, since finding the axes needs course and gyros at the same time.
   for (int pass = 0; pass < 3; ++pass) {
-    const Flight flight = read();
+    const Flight flight = ReadFlight(ParseFlightConfig(SensorsText(), folder_),
+                                     {.imu = imu_.has_value(), .gnss = gnss_.has_value()});
     const DataAgreement agreement = FindDataAgreement(flight);
     bool changed = false;
     axes_notes_.clear();
@@ -222,7 +246,6 @@ void FlightDraft::Settle() {
     }
     if (!changed) break;
   }
-  SettleScanner();
 }
 
 void FlightDraft::SettleScanner() {
@@ -252,11 +275,16 @@ std::string FlightDraft::ImuText() const {
   std::string text = fmt::format("\n# {}\nimu:\n  file: {}\n  format: {}\n", imu_summary_,
                                  QuoteYaml(Named(imu_->file)),
                                  imu_->imu_format == ImuFormat::kOdyn ? "odyn" : "increments");
+  text += ColumnNamesText(*imu_);
   text +=
       "  sampling: mean                # assumed: rows are means; instantaneous: values at the "
       "tag\n";
   if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # from the size of the rates\n";
   if (imu_->forces_in_g) text += "  force_unit: g                 # from the size of gravity\n";
+  if (imu_->force_unit > 0.0) {
+    text += fmt::format("  rate_unit: {}   # rad of one count\n", FormatDouble(imu_->rate_unit));
+    text += fmt::format("  force_unit: {}   # m/s of one count\n", FormatDouble(imu_->force_unit));
+  }
   text += fmt::format("  R_imu_to_body: {}   # data in axes {}: {}\n", MatrixText(R_imu_to_body_),
                       AxesName(R_imu_to_body_),
                       axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");
@@ -279,6 +307,7 @@ std::string FlightDraft::GnssText() const {
   const std::string format = GnssFormatWord(gnss_->gnss_format);
   std::string text = fmt::format("\n# {}\ngnss:\n  file: {}\n  format: {}\n", gnss_summary_,
                                  QuoteYaml(Named(gnss_->file)), format);
+  text += ColumnNamesText(*gnss_);
   text += OffsetText(gnss_offset_s_);
   text += "  lever_arm_m: [0, 0, 0]        # MISSING: antenna in body, forward right down, m\n";
   if (gnss_->has_sigma) {
@@ -333,6 +362,7 @@ std::string FlightDraft::TrajectoryText() const {
   if (!trajectory_) return {};
   std::string text =
       fmt::format("\ntrajectory:\n  file: {}\n", QuoteYaml(Named(trajectory_->file)));
+  text += ColumnNamesText(*trajectory_);
   text += ColumnsText();
   if (smrmsg_) return text + fmt::format("  sigma_file: {}\n", QuoteYaml(Named(smrmsg_->file)));
   return text +

@@ -17,8 +17,9 @@ class FlightDraft {
   /// Takes one file of each kind; the remaining files become notes.
   FlightDraft(std::filesystem::path folder, const std::vector<FileContent>& contents);
 
-  /// Reads the files and determines axes, noise and clocks from the data. Throws InvalidInput if a
-  /// file cannot be read.
+  /// Reads the files and determines axes, noise and clocks from the data. A file that cannot be
+  /// read becomes a note, and the next file of its kind is taken. If inertial and GNSS data do not
+  /// fit each other, this becomes a note.
   void Settle();
 
   /// Returns the text of flight.yaml.
@@ -35,6 +36,11 @@ class FlightDraft {
 
  private:
   void Take(const FileContent& content);
+  void TakeOne(const FileContent& content, const char* usual, const char* what,
+               std::optional<FileContent>* place);
+  /// Replaces the files of a sensor until one can be read.
+  void TakeReadable(FileKind kind, std::optional<FileContent>* place);
+  void SettleSensors();
   void SettleScanner();
   std::string SensorsText() const;
   std::string ImuText() const;
@@ -47,6 +53,7 @@ class FlightDraft {
 
   std::filesystem::path folder_;
   std::optional<FileContent> imu_, gnss_, trajectory_, smrmsg_;
+  std::vector<FileContent> others_;  ///< further files of the kinds above
   std::vector<FileContent> pairs_;
   /// Number of strips that neither contain laser vectors nor record the boresight of their points.
   std::size_t strips_without_vectors_ = 0;

@@ -5,6 +5,7 @@
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
 #include <dn/error.h>
+#include <dn/files/pair_clock.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
 #include <dn/report/value_words.h>
@@ -14,6 +15,7 @@
 #include <algorithm>
 
 #include "data_hints.h"
+#include "noise_output.h"
 
 namespace dn::apps {
 namespace {
@@ -124,11 +126,14 @@ std::vector<std::string> FormatHints(const Flight& flight, int threads) {
   return texts;
 }
 
-/// Adjusts the flight. If the sensors contradict each other, the message names a mistake in the
-/// axes, or else the hints, instead of the general remedy.
-Adjustment AdjustNamingCauses(const Flight& flight, const AdjustOptions& options,
-                              const std::vector<std::string>& hints) {
+/// Estimates the noise of the flight if it is unknown, and adjusts the flight. If the sensors
+/// contradict each other, the message names a mistake in the axes, or else the hints, instead of
+/// the general remedy.
+Adjustment AdjustNamingCauses(const AdjustOptions& options, FlightRun* flight_run, Run* run) {
+  Flight& flight = flight_run->flight;
+  const std::vector<std::string>& hints = flight_run->hints;
   try {
+    flight_run->noise = EstimateUnknownNoise(options, &flight, run);
     return Adjust(flight, options);
   } catch (const SensorsContradict& e) {
     const auto axes = FindAxesMistake(flight, options.threads);
@@ -158,6 +163,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.pairs = with_pairs;
   needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
+  ExpectPairClock(flight);
   return AdjustFlight(std::move(flight), watch.seconds(), with_pairs, run);
 }
 
@@ -176,7 +182,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
     run->progress().Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
   options.interrupted = [] { return apps::SignalReceived(); };
-  Adjustment adjustment = AdjustNamingCauses(result->flight, options, result->hints);
+  Adjustment adjustment = AdjustNamingCauses(options, result.get(), run);
   result->timings.solve_s = solve_watch.seconds();
 
   const Stopwatch covariance_watch;
@@ -203,7 +209,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   auto plots = Beside(run->options().threads, [&] { return DrawPlots(flight_run); });
   run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory.points(), with_pairs));
   run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(flight_run.solution->CheckedSigmas()));
-  run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));
+  run->AddFile("biases.txt", FormatBiases(flight_run.solution->CheckedBiases()));
   if (!network.trajectory().gnss_error().empty()) {
     run->AddFile("gnss_errors.txt", FormatGnssErrors(network, flight_run.solution->marginals()));
   }
@@ -234,7 +240,9 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["residuals"] = StatisticsToJson(flight_run.solution->trajectory().residuals);
   report["innovations"] = StatisticsToJson(flight_run.solution->trajectory().innovations);
   report["gnss_errors"] = GnssErrorsJson(flight_run.adjustment(), flight_run.solution->marginals());
-  report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment().network);
+  report["reference_errors"] =
+      ReferenceErrorsJson(flight_run.flight, flight_run.solution->CheckedPoses());
+  if (flight_run.noise) report["noise"] = NoiseJson(*flight_run.noise);
   report["stages"] = Json::array();
   for (const StageSummary& stage : flight_run.adjustment().stages) {
     report["stages"].push_back({{"name", stage.name},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/adjustment/unknown_noise.h>
 #include <dn/diagnosis/result_files.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/files/flight.h>
@@ -14,6 +15,7 @@ namespace dn::apps {
 struct FlightRun {
   Flight flight;
   std::vector<std::string> hints;    ///< likely mistakes, found before the adjustment
+  std::optional<NoiseSizes> noise;   ///< estimated first if imu.grade is unknown
   std::optional<Solution> solution;  ///< adjustment of `flight`
   Trajectory trajectory;  ///< adjusted trajectory at 100 Hz, by Solution::CheckedTrajectory
   std::vector<NavPoint> modelled;  ///< the same by the pure model, as the network has it

@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <optional>
 #include <sstream>
 
 #include "command.h"
+#include "noise_output.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -21,6 +23,7 @@ struct GapArguments {
   bool limits = false;
   std::uint64_t seed = 1;
   double alpha = 0.05;
+  double outside = GapOptions().outside;
   std::string effects;
   std::string without;
 };
@@ -43,6 +46,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   gap.depth = ChooseDepth(options);
   gap.seed = options.seed;
   gap.alpha = options.alpha;
+  gap.outside = options.outside;
   gap.threads = run->options().threads;
   gap.effects = SplitAtCommas(options.effects);
   gap.left_out = SplitAtCommas(options.without);
@@ -107,7 +111,15 @@ void FillReport(const GapArguments& options, const Flight& flight, const GapDiag
 
 void RunGap(const GapArguments& options, Run& run) {
   const GapOptions gap = DiagnosisOptions(options, &run);
-  const Flight flight = Read(options, &run);
+  Flight flight = Read(options, &run);
+  if (flight.imu && flight.gnss && !options.limits) {
+    AdjustOptions adjust;
+    adjust.with_pairs = flight.pairs.has_value();
+    adjust.threads = run.options().threads;
+    adjust.interrupted = gap.interrupted;
+    const std::optional<NoiseSizes> noise = EstimateUnknownNoise(adjust, &flight, &run);
+    if (noise) run.report()["noise"] = NoiseJson(*noise);
+  }
   const GapResult result = Diagnose(flight, gap);
   const GapDiagnosis& diagnosis = result.diagnosis;
   run.progress().Stage("writing " + options.common.out.string());
@@ -144,6 +156,11 @@ void AddGapOptions(CLI::App* app, GapArguments* options) {
   app->add_option("--alpha", options->alpha,
                   "Significance level (false-alarm rate) of the gap test")
       ->check(PositiveNumber())
+      ->capture_default_str();
+  app->add_option("--outside", options->outside,
+                  "Prior probability that what happened is not in the library, if something did: "
+                  "at least 0, below 1")
+      ->check(Probability())
       ->capture_default_str();
   app->add_option(
       "--effects", options->effects,

@@ -74,6 +74,9 @@ void Init(const InitArguments& options, Run& run) {
                        "docs/reference/formats.md describes the formats");
   }
   draft.Settle();
+  if (draft.empty()) {
+    throw InvalidInput("no file in " + folder.string() + " can be read; " + draft.notes().front());
+  }
   WriteFileAtomically(folder / "flight.yaml", draft.Text());
   for (const FileContent& content : contents) {
     if (content.kind == FileKind::kUnknown || content.kind == FileKind::kPointCloud) continue;

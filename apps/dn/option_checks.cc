@@ -48,6 +48,15 @@ CLI::Validator WholeNumber(std::uint64_t least, std::uint64_t most) {
   return {check, fmt::format("{} to {}", least, BoundText(most))};
 }
 
+CLI::Validator Probability() {
+  const auto check = [](const std::string& text) {
+    double value = 0.0;
+    if (ParseAll(text, value) && value >= 0.0 && value < 1.0) return std::string();
+    return Quoted(text) + " is not a number from 0 on, below 1";
+  };
+  return {check, "0 to 1"};
+}
+
 CLI::Validator AllowedValues(std::vector<std::string> words) {
   const std::string all = JoinNames(words);
   const auto check = [words = std::move(words), all](const std::string& text) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flight_run.h"
+#include "noise_output.h"
 #include "shaking_json.h"
 #include "smooth_summary.h"
 
@@ -50,12 +51,14 @@ void Smooth(const SmoothOptions& options, Run& run) {
   Json smooth =
       SmoothJson(flight_run->flight.config.name, trajectory, flight_run->solution->CheckedSigmas(),
                  check, flight_run->solution->CheckedUnknowns(), flight_run->timings);
+  if (flight_run->noise) smooth["noise"] = NoiseJson(*flight_run->noise);
   smooth["separation"] = SeparationJson(separation);
   const std::optional<Shaking> shaking = FindShaking(*flight_run->flight.imu);
   smooth["shaking"] = ShakingJson(shaking);
   run.AddFile("smooth.json", FormatJson(smooth));
   FillReport(*flight_run, &run);
   PrintSmoothSummary(*flight_run, separation, run.report()["reference_errors"]);
+  PrintNoise(flight_run->noise);
   PrintShaking(shaking, "");
   if (check.contradicted()) ThrowContradicted(Words(check.findings.front()), "smooth.json");
 }

@@ -1,7 +1,9 @@
+#include <dn/adjustment/unknown_noise.h>
 #include <dn/config/yaml_value.h>
 #include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/limits.h>
 #include <dn/diagnosis/result_files.h>
+#include <dn/imu/unknown_imu.h>
 #include <dn/names.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
@@ -96,6 +98,11 @@ StudyAndLimits StudyFlight(const StudyArguments& options, Run* run) {
   needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
   needs.optional = true;
   Flight flight = ReadFlight(options.what, needs);
+  if (HasUnknownNoise(flight.config) && flight.config.imu->model.name == kUnknownGrade) {
+    throw InvalidConfig(
+        "imu.grade: unknown has no figures for a design; state imu.gyro and imu.accel, for example "
+        "those that `dn smooth` estimates (config.resolved.yaml of its results)");
+  }
   const std::string config = FormatFlightConfig(flight.config);
   run->report()["timings_s"]["read"] = flight.read_time_s;
   run->progress().Stage("studying " + flight.config.name);

@@ -11,30 +11,9 @@
 namespace dn::diagnosis_internal {
 namespace {
 
-// Priors: no effect 0.5, effects of the table 0.4, unmodelled discrepancies 0.1, each split
-// equally.
-constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorDiscrepancy = 0.1;
 constexpr double kCredible = 0.95;
 /// Probability of unmodelled discrepancies above which no effect is named.
 constexpr double kWithoutName = 0.5;
-// Fractions of the causes with nearly all the evidence that were truly present in development
-// flights. They are 180 of 187, and 17 of 38 if a gap remained. A fifth of these flights had
-// physics outside the table.
-constexpr double kBorneOut = 0.95, kBorneOutWithUnknown = 0.45;
-
-std::vector<double> LogPriors(const std::vector<HypothesisEvidence>& effects) {
-  const auto physical = std::count_if(effects.begin(), effects.end(),
-                                      [](const HypothesisEvidence& e) { return e.physical(); });
-  const auto discrepancy = static_cast<double>(effects.size()) - static_cast<double>(physical);
-  std::vector<double> log_priors;
-  for (const HypothesisEvidence& effect : effects) {
-    log_priors.push_back(
-        effect.physical()
-            ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
-            : std::log(kPriorDiscrepancy / std::max(1.0, discrepancy)));
-  }
-  return log_priors;
-}
 
 /// Returns the smallest set of names with the stated probability, given that some effect is
 /// present.
@@ -58,7 +37,7 @@ std::vector<std::string> CredibleSet(const std::vector<HypothesisEvidence>& effe
 
 double ProbabilityIn(const CompetingHypotheses& set, const std::string& name) {
   for (std::size_t k = 0; k < set.competing_effects.size(); ++k) {
-    if (set.competing_effects[k].name == name) return set.posterior[k];
+    if (set.competing_effects[k].name == name) return set.posterior.own[k];
   }
   return 0.0;
 }
@@ -70,7 +49,6 @@ double ProbabilityInAny(const std::vector<CompetingHypotheses>& sets, const std:
 }
 
 void TakeHypotheses(const CompetingHypotheses& set, GapCause* cause) {
-  cause->posterior = ProbabilityIn(set, cause->effect);
   const double log_evidence = FindEvidence(set.competing_effects, cause->effect);
   if (std::isfinite(log_evidence)) cause->log_evidence = log_evidence;
   for (const std::string& name : set.credible_set) {
@@ -103,31 +81,17 @@ std::vector<std::string> CredibleInAny(const std::vector<CompetingHypotheses>& s
 
 }  // namespace
 
-std::vector<double> Posterior(const std::vector<HypothesisEvidence>& effects) {
-  const std::vector<double> log_priors = LogPriors(effects);
-  double largest = std::log(kPriorNothing);
-  for (std::size_t k = 0; k < effects.size(); ++k) {
-    largest = std::max(largest, log_priors[k] + effects[k].log_evidence);
-  }
-  std::vector<double> posterior;
-  double sum = kPriorNothing * std::exp(-largest);
-  for (std::size_t k = 0; k < effects.size(); ++k) {
-    posterior.push_back(std::exp(log_priors[k] + effects[k].log_evidence - largest));
-    sum += posterior.back();
-  }
-  for (double& one : posterior) one /= sum;
-  return posterior;
-}
-
 CompetingHypotheses MakeCompetingHypotheses(
-    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects) {
+    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects,
+    const HypothesisPrior& prior) {
   CompetingHypotheses set;
   set.effect = effect;
   set.competing_effects = competing_effects;
-  set.posterior = Posterior(competing_effects);
-  set.credible_set = CredibleSet(competing_effects, set.posterior);
+  set.posterior = ComputePosterior(competing_effects, prior);
+  set.credible_set = CredibleSet(competing_effects, set.posterior.own);
   for (std::size_t k = 0; k < competing_effects.size(); ++k) {
-    if (!competing_effects[k].physical()) set.discrepancy_posterior += set.posterior[k];
+    set.differing.push_back(DifferingShare(prior, competing_effects[k].log_evidence));
+    if (!competing_effects[k].physical()) set.discrepancy_posterior += set.posterior.own[k];
   }
   return set;
 }
@@ -142,10 +106,8 @@ void FillCauses(const std::vector<HypothesisEvidence>& screened,
     }
   }
   for (const HypothesisEvidence& effect : screened) {
-    const double posterior = ProbabilityInAny(sets, effect.name);
     if (!effect.physical()) {
-      diagnosis->discrepancies.push_back(
-          {effect.name, effect.log_evidence, posterior, effect.period_s, effect.decay_s});
+      diagnosis->discrepancies.push_back(ToDiscrepancy(effect));
       continue;
     }
     const auto taken = std::any_of(named.begin(), named.end(), [&](const GapCause& cause) {
@@ -153,15 +115,23 @@ void FillCauses(const std::vector<HypothesisEvidence>& screened,
     });
     if (taken) continue;
     diagnosis->causes.push_back(ToCause(effect));
-    diagnosis->causes.back().posterior = posterior;
   }
+  SetProbabilities(sets, diagnosis);
 }
 
-void ScaleToObservedRates(const GapVerdict& verdict, std::vector<GapCause>* causes) {
-  const bool something = verdict.unknown || !verdict.effects.empty();
-  if (!something) return;
-  const double share = verdict.unknown ? kBorneOutWithUnknown : kBorneOut;
-  for (GapCause& cause : *causes) cause.posterior *= share;
+void SetProbabilities(const std::vector<CompetingHypotheses>& sets, GapDiagnosis* diagnosis) {
+  for (GapCause& cause : diagnosis->causes) {
+    const auto own = std::find_if(sets.begin(), sets.end(),
+                                  [&](const auto& set) { return set.effect == cause.effect; });
+    cause.posterior = own == sets.end() ? ProbabilityInAny(sets, cause.effect)
+                                        : ProbabilityIn(*own, cause.effect);
+  }
+  for (GapDiscrepancy& one : diagnosis->discrepancies) {
+    one.posterior = ProbabilityInAny(sets, one.name);
+  }
+  double inside = 1.0;
+  for (const CompetingHypotheses& set : sets) inside *= 1.0 - set.posterior.outside;
+  diagnosis->outside_posterior = 1.0 - inside;
 }
 
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,

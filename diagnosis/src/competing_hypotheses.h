@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hypothesis_evidence.h"
+#include "posterior.h"
 
 namespace dn::diagnosis_internal {
 
@@ -14,30 +15,26 @@ struct CompetingHypotheses {
   std::string effect;  ///< empty: there is no cause
   /// Effects of the screen without the cause; the cause is one of them.
   std::vector<HypothesisEvidence> competing_effects;
-  std::vector<double> posterior;          ///< one per competing effect
+  HypothesisPosterior posterior;          ///< of the competing effects, in their order
+  std::vector<double> differing;          ///< DifferingShare of each competing effect
   std::vector<std::string> credible_set;  ///< 95 %, effects of the table
   double discrepancy_posterior = 0.0;     ///< total of the unmodelled discrepancies
 };
 
 /// Makes the competing hypotheses of a cause, which is one of `competing_effects`.
 CompetingHypotheses MakeCompetingHypotheses(
-    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects);
+    const std::string& effect, const std::vector<HypothesisEvidence>& competing_effects,
+    const HypothesisPrior& prior);
 
-/// Returns the posterior probability of each effect; the rest belongs to "no effect". See
-/// docs/guides/gap.md.
-std::vector<double> Posterior(const std::vector<HypothesisEvidence>& effects);
-
-/// Adds the causes and discrepancies to a diagnosis: every effect of a screen, with its probability
-/// over all sets of competing hypotheses. The causes `named` come first, with the probability and
-/// the alternatives of their own set.
+/// Adds the causes and discrepancies to a diagnosis: every effect of a screen. The causes `named`
+/// come first, with the evidence and the alternatives of their own set. Sets all probabilities.
 void FillCauses(const std::vector<HypothesisEvidence>& screened,
                 const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis);
 
-/// Scales the probabilities of causes to the observed rate of correct names. Physics outside the
-/// library looks like its nearest effect, whatever the evidence, and more often so if a part of the
-/// gap remains unexplained.
-void ScaleToObservedRates(const GapVerdict& verdict, std::vector<GapCause>* causes);
+/// Sets the probabilities of causes, discrepancies and physics outside the library: over all sets
+/// of competing hypotheses, or for a named cause in its own set.
+void SetProbabilities(const std::vector<CompetingHypotheses>& sets, GapDiagnosis* diagnosis);
 
 /// Facts that decide the kind of a verdict.
 struct Decision {

@@ -23,6 +23,10 @@ constexpr double kReplacementLeadNats = 1.0;
 /// Largest numbers of effects in a verdict, and of places and statistics in a report.
 constexpr std::size_t kMaxCauses = 4, kMaxPlaces = 20, kMaxStatistics = 60;
 
+/// Below this p-value of the flight among its simulated replicates, they do not reproduce the
+/// flight.
+constexpr double kUnlike = 0.01;
+
 /// Returns the number of linear replicates.
 constexpr int NumReplicates(GapOptions::Depth depth) {
   if (depth == GapOptions::Depth::kFull) return 400;

@@ -14,6 +14,7 @@
 #include <new>
 #include <utility>
 
+#include "boresight_average.h"
 #include "competing_hypotheses.h"
 #include "decision.h"
 #include "design_limits.h"
@@ -43,9 +44,6 @@ constexpr double kSignificantSigmas = 2.0;
 // reference.
 constexpr double kUnequalReplicates = 1e-4;
 constexpr int kSimulatedReplicates = 8;  // without and with the effects each
-// If the p-value of the flight among its simulated replicates is below this, they do not reproduce
-// the flight.
-constexpr double kUnlike = 0.01;
 
 /// Tests whether the data of a source agree with its model, selects the effects that explain the
 /// gap, and measures what they leave.
@@ -57,6 +55,7 @@ class Diagnosis {
     out_.flight = flight.config.name;
     out_.trajectory_given = !source_.adjusts();
     out_.validity.alpha = options.alpha;
+    out_.outside_prior = options.outside;
   }
 
   GapResult Run() {
@@ -76,7 +75,9 @@ class Diagnosis {
       watch_.Lap("twins with the effects");
     }
     source_.ListPlaces(*selection_.base, before_, selection_.last(), &out_);
+    CompareHypotheses(GapRemains() ? RestNats() : 0.0);
     FillCauses(selection_.base->effects, hypotheses_, NamedCauses(), &out_);
+    SetLeftNats();
     MarkTolerances();
     FillVerdict();
     MeasureShrinkage();
@@ -90,6 +91,7 @@ class Diagnosis {
     ShowProgress("limits", 0.94);
     FillDetectionLimits(*selection_.base, Threshold());
     BreakTies(trajectory);
+    AverageOverHypotheses();
     AppendNotes(selection_.notes);
     AppendNotes(source_.Notes(*selection_.base));
     out_.verdict.text = VerdictSentence(out_);
@@ -97,9 +99,19 @@ class Diagnosis {
   }
 
  private:
+  /// Sets the evidence that the effects outside the verdict have with its effects in the model.
+  void SetLeftNats() {
+    if (!selection_.final) return;
+    for (GapCause& cause : out_.causes) {
+      const HypothesisEvidence* left = FindByName(selection_.final->effects, cause.effect);
+      if (left != nullptr) cause.left_nats = left->log_evidence;
+    }
+  }
+
   /// Compares the fixed causes with their priors.
   void MarkTolerances() {
     const UnmodelledPrior prior = MakeUnmodelledPrior(flight_.config);
+    out_.with_tolerances = !prior.pure();
     for (GapCause& cause : out_.causes) {
       const EffectSpec* spec = FindEffect(cause.effect);
       if (spec == nullptr || !spec->fixed() || cause.estimate.size() == 0) continue;
@@ -168,14 +180,26 @@ class Diagnosis {
       selection.Grow();
       selection.Revise();
     }
-    const std::vector<std::vector<HypothesisEvidence>> alternatives = selection.Alternatives();
+    alternatives_ = selection.Alternatives();
     selection_ = selection.Take();
-    for (std::size_t k = 0; k < alternatives.size(); ++k) {
-      hypotheses_.push_back(MakeCompetingHypotheses(selection_.chosen[k].name, alternatives[k]));
+  }
+
+  /// Computes the probabilities of all hypotheses. `rest_nats` is the evidence of a significant
+  /// rest, 0 without one.
+  void CompareHypotheses(double rest_nats) {
+    prior_ = {options_.outside, Threshold(), rest_nats};
+    hypotheses_.clear();
+    for (std::size_t k = 0; k < alternatives_.size(); ++k) {
+      hypotheses_.push_back(
+          MakeCompetingHypotheses(selection_.chosen[k].name, alternatives_[k], prior_));
     }
     if (hypotheses_.empty()) {
-      hypotheses_.push_back(MakeCompetingHypotheses("", selection_.base->effects));
+      hypotheses_.push_back(MakeCompetingHypotheses("", selection_.base->effects, prior_));
     }
+  }
+
+  double RestNats() const {
+    return std::max(Threshold(), DiscrepancyEvidence(selection_.last().effects));
   }
 
   /// Returns the causes with their estimates of the last fit.
@@ -195,7 +219,6 @@ class Diagnosis {
     const Decision decision{out_.detected, DiscrepancyIsBetter(), GapRemains()};
     out_.verdict = Decide(decision, named, hypotheses_);
     if (source_.adjusts()) out_.verdict.implausible = Implausible();
-    ScaleToObservedRates(out_.verdict, &out_.causes);
   }
 
   /// Returns a named effect of implausible size, if there is one. An effect that is wrongly named
@@ -243,6 +266,8 @@ class Diagnosis {
     GapShrinkage shrinkage =
         source_.Shrinkage({*selection_.base, before_, *selection_.final, after_});
     shrinkage.before.p_value = out_.p_value;
+    const HypothesisEvidence* rest = BestDiscrepancy(selection_.final->effects);
+    if (rest != nullptr && rest->log_evidence > Threshold()) shrinkage.rest = ToDiscrepancy(*rest);
     out_.shrinkage = shrinkage;
   }
 
@@ -326,7 +351,22 @@ class Diagnosis {
     if (verdict.kind == GapVerdictKind::kIdentified || verdict.kind == GapVerdictKind::kGroup) {
       verdict.kind = GapVerdictKind::kPartial;
       verdict.unknown = true;
+      CompareHypotheses(RestNats());
+      SetProbabilities(hypotheses_, &out_);
     }
+  }
+
+  // ---- The boresight over all hypotheses --------------------------------------------------------
+
+  /// Averages the boresight over the named effects with their alternatives, or over all hypotheses
+  /// without a named effect.
+  void AverageOverHypotheses() {
+    const bool named = !out_.verdict.effects.empty() && selection_.final;
+    const ExtendedFit& fit = named ? *selection_.final : *selection_.base;
+    if (!fit.boresight || out_.verdict.kind == GapVerdictKind::kUnavailable) return;
+    const std::vector<CompetingHypotheses> none;
+    out_.boresight_averaged = AverageBoresight(*fit.boresight, named ? hypotheses_ : none,
+                                               MakeCompetingHypotheses("", fit.effects, prior_));
   }
 
   // ---- What remains undetectable ----------------------------------------------------------------
@@ -366,6 +406,9 @@ class Diagnosis {
   LapTimes watch_;
   Comparison before_, after_;
   Selection selection_;
+  // Evidence of all effects given all chosen ones but one, for each of them.
+  std::vector<std::vector<HypothesisEvidence>> alternatives_;
+  HypothesisPrior prior_;
   std::vector<CompetingHypotheses> hypotheses_;
 };
 
@@ -416,6 +459,9 @@ void ExpectEffects(const std::vector<std::string>& names, const char* option) {
 void GapOptions::Validate() const {
   if (!(alpha > 0.0 && alpha < 1.0))
     throw InvalidConfig("diagnosis: alpha must lie between 0 and 1");
+  if (!(outside >= 0.0 && outside < 1.0)) {
+    throw InvalidConfig("diagnosis: outside must be at least 0 and below 1");
+  }
   if (threads < 1) throw InvalidConfig("diagnosis: threads must be at least 1");
   ExpectEffects(effects, "effects");
   ExpectEffects(left_out, "left_out");

@@ -2,6 +2,7 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/geo/local_frame.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,10 +10,13 @@
 #include <cmath>
 #include <limits>
 
+#include "decision.h"
+
 namespace dn::diagnosis_internal {
 namespace {
 
 constexpr double kLeastP = 1e-12;
+constexpr double kImprobable = 0.05;
 
 std::string Size(const GapCause& cause, Eigen::Index i) {
   const std::string value = Rounded(cause.estimate[i], 3);
@@ -36,6 +40,21 @@ bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::I
          Size(cause, i) == Size(cause, i - 1);
 }
 
+/// Returns whether no size was measured, such as that of outliers where no datum was rejected.
+bool Unmeasured(const GapCause& cause) {
+  return cause.estimate.isZero(0.0) && cause.sigma.isZero(0.0);
+}
+
+/// Returns a share in percent. Only 1 itself becomes "100".
+std::string Percent(double share) {
+  const double percent = 100.0 * share;
+  for (int digits = 0; digits <= 2; ++digits) {
+    std::string text = fmt::format("{:.{}f}", percent, digits);
+    if (percent >= 100.0 || std::stod(text) < 100.0) return text;
+  }
+  return "more than 99.99";
+}
+
 double PossibleShift(const DetectionLimit& effect) {
   const double shift = effect.boresight_rad.norm();
   return std::isfinite(shift) ? shift : std::numeric_limits<double>::infinity();
@@ -57,7 +76,12 @@ bool HasBoresight(const GapDiagnosis& diagnosis) {
          std::any_of(diagnosis.could_still_hide.begin(), diagnosis.could_still_hide.end(), moves);
 }
 
+const char* ResultWord(const GapDiagnosis& diagnosis) {
+  return HasBoresight(diagnosis) ? "boresight" : "trajectory";
+}
+
 std::string ValueWords(const GapCause& cause) {
+  if (Unmeasured(cause)) return "";
   const EffectSpec* spec = FindEffect(cause.effect);
   const bool known =
       spec != nullptr && spec->components.size() == static_cast<std::size_t>(cause.estimate.size());
@@ -122,10 +146,24 @@ std::string Alternatives(const std::vector<std::string>& names) {
 }
 
 std::string ClosedWords(const GapShrinkage& shrinkage) {
-  const double low = 100.0 * shrinkage.interval_low;
-  return fmt::format("{:.0f} % of the gap ({} to {:.0f})", 100.0 * shrinkage.fraction,
-                     low < 0.0 ? "below 0" : fmt::format("{:.0f}", low),
-                     100.0 * shrinkage.interval_high);
+  if (!(shrinkage.fraction > 0.0)) return "nothing of the gap";
+  const double low = shrinkage.interval_low, high = std::clamp(shrinkage.interval_high, 0.0, 1.0);
+  return fmt::format("{} % of the gap ({} to {})", Percent(shrinkage.fraction),
+                     low < 0.0 ? "below 0" : Percent(low), Percent(high));
+}
+
+std::string WeakerWords(const GapDiagnosis& diagnosis, const GapCause& cause) {
+  const bool named = HasName(diagnosis.verdict.effects, cause.effect);
+  if (cause.posterior >= kImprobable || cause.log_evidence < kLeastThresholdNats) return "";
+  if (!named && !diagnosis.verdict.effects.empty() && cause.left_nats) {
+    return fmt::format("{:.1f} nats are left with the named effects", *cause.left_nats);
+  }
+  const auto best = std::max_element(
+      diagnosis.discrepancies.begin(), diagnosis.discrepancies.end(),
+      [](const auto& a, const auto& b) { return a.log_evidence < b.log_evidence; });
+  if (best == diagnosis.discrepancies.end() || best->log_evidence <= cause.log_evidence) return "";
+  return fmt::format("{:.1f} nats less than {}", best->log_evidence - cause.log_evidence,
+                     best->name);
 }
 
 std::vector<DetectionLimit> MostHarmful(std::vector<DetectionLimit> effects) {

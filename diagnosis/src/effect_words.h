@@ -20,9 +20,12 @@ std::string PWords(double p_value);
 /// Returns whether the diagnosis contains shifts of the boresight. It does not without pairs.
 bool HasBoresight(const GapDiagnosis& diagnosis);
 
+/// Returns the result that the flight is for: "boresight", or "trajectory" without pairs.
+const char* ResultWord(const GapDiagnosis& diagnosis);
+
 /// Returns values with their sigmas: "0.1 +- 0.004, 0 +- 0.004, -0.05 +- 0.006 m". Names the
 /// components if their units differ: "sigma 0.3 +- 0.05 deg/h, tau 90 +- 30 s". A value that is
-/// equal on all axes is written once.
+/// equal on all axes is written once. Returns "" if no size was measured.
 std::string ValueWords(const GapCause& cause);
 
 /// Returns " from 381400 to 381450 s", " from 381500 s on", or "".
@@ -37,8 +40,13 @@ std::string MdegWords(const Eigen::Vector3d& rad);
 /// Returns "a", "a or b", or "a, b or c".
 std::string Alternatives(const std::vector<std::string>& names);
 
-/// Returns "97 % of the gap (90 to 99)". A lower bound below 0 is written as "below 0".
+/// Returns "97 % of the gap (90 to 99)", or "nothing of the gap". A lower bound below 0 is written
+/// as "below 0". A share below 1 is never rounded to 100 %.
 std::string ClosedWords(const GapShrinkage& shrinkage);
+
+/// Returns why an effect with much evidence is improbable: "-0.3 nats are left with the named
+/// effects" or "120 nats less than laser vectors by strip". Returns "" for all other effects.
+std::string WeakerWords(const GapDiagnosis& diagnosis, const GapCause& cause);
 
 /// Returns the minimal detectable bias: "0.0012 s", or one value per component, "1.2, 3.1, 0.05
 /// deg/h/g (x, y, z alone)". A component that is undetectable at any size is written as "any".

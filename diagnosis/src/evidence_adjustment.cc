@@ -61,7 +61,8 @@ long RejectGnssOutliers(AdjustmentRun& run) {
   long rejected = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     run.Announce("GNSS, outliers");
-    Marginals marginals(run.network().net(), {.threads = run.options().threads});
+    Marginals marginals(run.network().net(),
+                        {.threads = run.options().threads, .analysis = run.result().analysis});
     marginals.ComputeSelectedInverse();
     long now = 0;
     for (const auto which : {&GnssEdge::position, &GnssEdge::velocity}) {

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 
+#include "boresight_average.h"
 #include "decision.h"
 #include "detection_limits.h"
 #include "outlier_evidence.h"
@@ -103,6 +104,7 @@ std::unique_ptr<ExtendedFit> FixedTrajectorySource::Fit(
   if (!Contains(chosen, EffectId::kP2pOutliers) && Wanted(EffectId::kP2pOutliers)) {
     AddOutliers(fit.get());
   }
+  SetBoresights(*fit->screen, MakeUnmodelledPrior(flight_.config), TotalBoresight(*fit), fit.get());
   return fit;
 }
 
@@ -264,18 +266,17 @@ GapShrinkage FixedTrajectorySource::Shrinkage(const BeforeAndAfter& fits) const 
   for (const double size : sizes) deviations.push_back(n * (size - typical));
   GapShrinkage shrinkage = MakeShrinkage(std::max(LeftNats(base) - n * typical, 1.0),
                                          LeftNats(final) - n * typical, std::move(deviations));
-  const BoresightResult& boresight = calibration_.boresight;
+  const BoresightEstimate after = TotalBoresight(final);
   shrinkage.before.p_value = PValue(base);
   shrinkage.before.size_nats_per_obs = LeftNats(base) / n;
   shrinkage.before.p2p_m = fits.before.appearance.pair_rms_m;
-  shrinkage.before.boresight_rad = boresight.angles_rad;
-  shrinkage.before.boresight_sigma_rad = boresight.sigma_rad();
+  shrinkage.before.boresight_rad = calibration_.boresight.angles_rad;
+  shrinkage.before.boresight_sigma_rad = calibration_.boresight.sigma_rad();
   shrinkage.after.p_value = PValue(final);
   shrinkage.after.size_nats_per_obs = LeftNats(final) / n;
   shrinkage.after.p2p_m = fits.after.appearance.pair_rms_m;
-  shrinkage.after.boresight_rad = Boresight(final);
-  const Eigen::Matrix3d covariance = boresight.covariance_rad2 + final.boresight_covariance_rad2;
-  shrinkage.after.boresight_sigma_rad = covariance.diagonal().cwiseSqrt();
+  shrinkage.after.boresight_rad = after.angles_rad;
+  shrinkage.after.boresight_sigma_rad = after.sigma_rad();
   return shrinkage;
 }
 
@@ -319,6 +320,10 @@ std::vector<std::string> FixedTrajectorySource::Notes(const ExtendedFit& base) c
 
 Trajectory FixedTrajectorySource::MakeTrajectory(const ExtendedFit& /*fit*/) const {
   return *flight_.trajectory;
+}
+
+BoresightEstimate FixedTrajectorySource::TotalBoresight(const PairFit& fit) const {
+  return {Boresight(fit), calibration_.boresight.covariance_rad2 + fit.boresight_covariance_rad2};
 }
 
 Eigen::Vector3d FixedTrajectorySource::Boresight(const ExtendedFit& fit) const {

@@ -56,6 +56,7 @@ class FixedTrajectorySource : public GapSource {
   };
 
   bool Wanted(EffectId effect) const;
+  BoresightEstimate TotalBoresight(const PairFit& fit) const;
   bool ScreensNoise() const;
   ErrorScale ScaleAtPairEnds(const ErrorScale& scale) const;
   void AddOutliers(PairFit* fit) const;

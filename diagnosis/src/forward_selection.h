@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,8 @@ struct ExtendedFit {
 
   std::vector<HypothesisEvidence> chosen;   ///< effects in the model, with their joint estimates
   std::vector<HypothesisEvidence> effects;  ///< all others, most probable first
+  /// Boresight with the effects that have a prior as unknowns; absent without a boresight.
+  std::optional<BoresightEstimate> boresight;
 };
 
 /// Fits the data with these effects in the model, and evaluates all others. It may adjust the

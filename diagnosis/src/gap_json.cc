@@ -62,6 +62,7 @@ Json Cause(const GapCause& cause) {
   json["inseparable_from"] = cause.inseparable_from;
   json["prior_sigmas"] = Number(cause.prior_sigmas);
   json["within_prior"] = cause.prior_sigmas ? Json(cause.within_prior()) : Json(nullptr);
+  json["left_nats"] = Number(cause.left_nats);
   json["held_out_gain_nats"] = Number(cause.held_out_gain_nats);
   json["shrinkage"] = Number(cause.shrinkage);
   return json;
@@ -73,14 +74,18 @@ Json Causes(const std::vector<GapCause>& causes) {
   return list;
 }
 
+Json Discrepancy(const GapDiscrepancy& one) {
+  Json json{{"name", one.name}, {"log_evidence", Number(one.log_evidence)}};
+  if (one.period_s) json["period_s"] = Number(*one.period_s);
+  if (one.tau_s) json["tau_s"] = Number(*one.tau_s);
+  return json;
+}
+
 Json Discrepancies(const std::vector<GapDiscrepancy>& discrepancies) {
   Json list = Json::array();
   for (const GapDiscrepancy& one : discrepancies) {
-    list.push_back({{"name", one.name},
-                    {"log_evidence", Number(one.log_evidence)},
-                    {"posterior", Number(one.posterior)}});
-    if (one.period_s) list.back()["period_s"] = Number(*one.period_s);
-    if (one.tau_s) list.back()["tau_s"] = Number(*one.tau_s);
+    list.push_back(Discrepancy(one));
+    list.back()["posterior"] = Number(one.posterior);
   }
   return list;
 }
@@ -107,6 +112,7 @@ Json Shrinkage(const std::optional<GapShrinkage>& shrinkage) {
           {"size_after", Number(after.size_nats_per_obs)},
           {"held_out_gain_nats", Number(shrinkage->held_out_gain_nats)},
           {"reachable_left_nats", Number(shrinkage->reachable_left_nats)},
+          {"rest", shrinkage->rest ? Discrepancy(*shrinkage->rest) : Json()},
           {"p2p_mm_before", Scaled(before.p2p_m, diagnosis_internal::kMmPerM)},
           {"p2p_mm_after", Scaled(after.p2p_m, diagnosis_internal::kMmPerM)},
           {"gnss_mm_before", Scaled(before.gnss_m, diagnosis_internal::kMmPerM)},
@@ -115,6 +121,18 @@ Json Shrinkage(const std::optional<GapShrinkage>& shrinkage) {
           {"boresight_after_deg", Scaled(after.boresight_rad, kDegPerRad)},
           {"boresight_sigma_before_deg", Scaled(before.boresight_sigma_rad, kDegPerRad)},
           {"boresight_sigma_after_deg", Scaled(after.boresight_sigma_rad, kDegPerRad)}};
+}
+
+Json Averaged(const std::optional<BoresightEstimate>& boresight) {
+  if (!boresight) return {};
+  Json rows = Json::array();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Vector3d row = boresight->covariance_rad2.row(k);
+    rows.push_back(List(Vector3d(kDegPerRad * kDegPerRad * row)));
+  }
+  return {{"angles_deg", List(Vector3d(kDegPerRad * boresight->angles_rad))},
+          {"sigma_deg", List(Vector3d(kDegPerRad * boresight->sigma_rad()))},
+          {"covariance_deg2", rows}};
 }
 
 Json Fingerprint(const std::vector<FingerprintValue>& values) {
@@ -158,8 +176,12 @@ Json GapJson(const GapDiagnosis& diagnosis) {
           {"where", Where(diagnosis.where)},
           {"causes", Causes(diagnosis.causes)},
           {"discrepancies", Discrepancies(diagnosis.discrepancies)},
+          {"outside",
+           {{"prior", Number(diagnosis.outside_prior)},
+            {"posterior", Number(diagnosis.outside_posterior)}}},
           {"verdict", VerdictPart(diagnosis.verdict)},
           {"shrinkage", Shrinkage(diagnosis.shrinkage)},
+          {"boresight_averaged", Averaged(diagnosis.boresight_averaged)},
           {"could_still_hide", DetectionLimitsJson(diagnosis.could_still_hide)},
           {"fingerprint", Fingerprint(diagnosis.fingerprint)},
           {"validity", Validity(diagnosis.validity)},

@@ -95,10 +95,12 @@ std::string CauseLines(const GapDiagnosis& d) {
                                  "nats", moves ? "shift [mdeg]" : "", "size");
   for (std::size_t i = 0; i < std::min(kMaxCausesListed, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
-    text += fmt::format("        {} {:<28}{:>6.2f}{}  {:<22} {}{}\n", Mark(d.verdict, cause.effect),
-                        cause.effect, cause.posterior, Nats(cause.log_evidence), Moves(d, cause),
-                        diagnosis_internal::ValueWords(cause),
-                        diagnosis_internal::TimesWords(cause.times));
+    const std::string weaker = diagnosis_internal::WeakerWords(d, cause);
+    text += fmt::format(
+        "        {} {:<28}{:>6.2f}{}  {:<22} {}{}{}\n", Mark(d.verdict, cause.effect), cause.effect,
+        cause.posterior, Nats(cause.log_evidence), Moves(d, cause),
+        diagnosis_internal::ValueWords(cause), diagnosis_internal::TimesWords(cause.times),
+        weaker.empty() ? "" : "; " + weaker);
   }
   return text + DiscrepancyLines(d) + "          * in the verdict, ? equally possible" +
          (moves ? "; shift of roll, pitch, yaw if not modelled\n" : "\n");
@@ -132,6 +134,20 @@ std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
   return text + StateLine("before", shrinkage->before) + StateLine("after", shrinkage->after);
 }
 
+/// Returns the boresight over all hypotheses, and the probability of physics outside the library.
+std::string AverageLines(const GapDiagnosis& d) {
+  std::string text;
+  if (d.detected) {
+    text += fmt::format("outside   probability of something that is not in the library: {:.2f}\n",
+                        d.outside_posterior);
+  }
+  if (!d.boresight_averaged) return text;
+  GapState state;
+  state.boresight_rad = d.boresight_averaged->angles_rad;
+  state.boresight_sigma_rad = d.boresight_averaged->sigma_rad();
+  return text + fmt::format("boresight {} deg, over all hypotheses\n", Angles(state));
+}
+
 std::string ValidityLines(const GapValidity& validity) {
   std::string text = "no replicates";
   if (validity.replicates > 0) {
@@ -162,7 +178,7 @@ std::string GapSummary(const GapDiagnosis& diagnosis) {
     return head + DetectionLimitsSummary(diagnosis.could_still_hide,
                                          diagnosis_internal::HasBoresight(diagnosis));
   return head + SizeLines(diagnosis) + PlaceLines(diagnosis) + CauseLines(diagnosis) +
-         ShrinkageLines(diagnosis.shrinkage) +
+         ShrinkageLines(diagnosis.shrinkage) + AverageLines(diagnosis) +
          DetectionLimitsSummary(diagnosis.could_still_hide,
                                 diagnosis_internal::HasBoresight(diagnosis)) +
          ValidityLines(diagnosis.validity);

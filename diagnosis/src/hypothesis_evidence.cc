@@ -87,6 +87,10 @@ GapCause ToCause(const HypothesisEvidence& effect) {
   return cause;
 }
 
+GapDiscrepancy ToDiscrepancy(const HypothesisEvidence& effect) {
+  return {effect.name, effect.log_evidence, 0.0, effect.period_s, effect.decay_s};
+}
+
 std::vector<GapCause> ToCauses(const std::vector<HypothesisEvidence>& effects) {
   std::vector<GapCause> causes;
   causes.reserve(effects.size());

@@ -4,6 +4,7 @@
 #include <dn/effects/effect_table.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,17 @@
 
 namespace dn::diagnosis_internal {
 
+/// Boresight if a hypothesis is true, and without it.
+struct HypothesisBoresight {
+  BoresightEstimate with, without;
+};
+
 /// A hypothesis with its evidence. Of several hypotheses with one name, it is the one whose window,
 /// start and time constant explain the data best. SI. Its p-value is times the number of tests.
 struct HypothesisEvidence : Hypothesis, EffectEvidence {
   double statistic = 0.0;  ///< chi-square; 0 for a process
   double absorbed = 0.0;   ///< fraction of the signature that the unknowns absorb
+  std::optional<HypothesisBoresight> boresight = {};  ///< absent without a boresight
 
   bool physical() const { return id.has_value(); }
 };
@@ -49,6 +56,8 @@ const HypothesisEvidence* BestPhysical(const std::vector<HypothesisEvidence>& ef
 
 /// Converts an effect to the units of the table.
 GapCause ToCause(const HypothesisEvidence& effect);
+/// Describes an unmodelled discrepancy, with the probability 0.
+GapDiscrepancy ToDiscrepancy(const HypothesisEvidence& effect);
 /// Converts several effects to the units of the table.
 std::vector<GapCause> ToCauses(const std::vector<HypothesisEvidence>& effects);
 

@@ -276,6 +276,7 @@ class Checker {
     if (family_.of_boresight) {
       effects.boresight_rad = change.head<3>();
       effects.covariance_rad2 = added.topLeftCorner<3, 3>();
+      effects.posterior = unmodelled.Posterior();
     }
     Eigen::Index row = watched;
     for (const BlockId unknown : EffectUnknowns(network_)) {

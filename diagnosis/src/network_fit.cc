@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "boresight_average.h"
 #include "evidence_adjustment.h"
 #include "median_sigmas.h"
 #include "outlier_evidence.h"
@@ -105,7 +106,15 @@ NetworkFit NetworkFitter::Fit(const std::vector<HypothesisEvidence>& chosen) con
   for (HypothesisEvidence& effect : variances.effects) fit.effects.push_back(std::move(effect));
   AddOutliers(&fit);
   SortByEvidence(&fit.effects);
+  AddBoresights(&fit);
   return fit;
+}
+
+void NetworkFitter::AddBoresights(NetworkFit* fit) const {
+  if (!fit->with_boresight()) return;
+  const BoresightResult boresight = fit->solution->Boresight();
+  SetBoresights(*fit->screen, MakeUnmodelledPrior(flight_.config),
+                {boresight.angles_rad, boresight.covariance_rad2}, fit);
 }
 
 void NetworkFitter::AddOutliers(NetworkFit* fit) const {

@@ -40,6 +40,7 @@ class NetworkFitter {
 
  private:
   Adjustment AdjustWith(const Flight& flight, long* gnss_left_out) const;
+  void AddBoresights(NetworkFit* fit) const;
   void AddOutliers(NetworkFit* fit) const;
 
   const Flight& flight_;

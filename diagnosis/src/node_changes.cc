@@ -1,12 +1,21 @@
 #include "node_changes.h"
 
 #include <dn/adjustment/trajectory_sigma.h>
+#include <dn/rotation.h>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-namespace dn::diagnosis_internal {
+namespace dn {
+
+void NodeChange::MovePose(MapPose* pose) const {
+  pose->p_mb += position_m;
+  pose->v_m += velocity_mps;
+  pose->q_mb = pose->q_mb * Exp(attitude_rad);
+}
+
+namespace diagnosis_internal {
 namespace {
 
 using Eigen::Index;
@@ -16,7 +25,7 @@ using Eigen::MatrixXd;
 constexpr Index kColumnsAtOnce = 24;
 // Nodes whose shifts are multiplied together, and rows of each.
 constexpr std::size_t kNodesAtOnce = 32;
-constexpr Index kNodeRows = 9;
+constexpr Index kNodeRows = 15;
 
 /// Returns L of some components of the score, in the scaling of the network's rows.
 MatrixXd DenseColumns(const LinearizedNetwork& linearized, const Library& library,
@@ -53,26 +62,46 @@ MatrixXd SolveShifts(const Marginals& marginals, const Library& library,
   return shift;
 }
 
-/// Returns the shifts of position, velocity and attitude of some nodes, nine rows each.
-MatrixXd NodeShifts(const LinearizedNetwork& linearized, std::span<const NodeBlocks> nodes,
-                    const MatrixXd& shift) {
-  MatrixXd rows = MatrixXd::Zero(kNodeRows * static_cast<Index>(nodes.size()), shift.cols());
-  Index row = 0;
-  for (const NodeBlocks& node : nodes) {
-    for (const BlockId block : {node.p_mb.id, node.v_m.id, node.q_mb.id}) {
-      const int first = linearized.FirstColumn(block);
-      if (first >= 0) rows.middleRows<3>(row) = shift.middleRows<3>(first);
-      row += 3;
-    }
-  }
-  return rows;
-}
+/// The shifts of all unknowns of a network, by the components of the unmodelled effects.
+struct NetworkShifts {
+  const TrajectoryGraph& trajectory;
+  const LinearizedNetwork& linearized;
+  const MatrixXd& shift;
 
-/// `mean` and `gain` have the nine rows of the node: the mean shift, and a root of its covariance.
+  /// Returns the shift of a block; zero if it is constant.
+  MatrixXd Rows(BlockId block) const {
+    const int first = linearized.FirstColumn(block);
+    if (first < 0) return MatrixXd::Zero(3, shift.cols());
+    return shift.middleRows<3>(first);
+  }
+
+  /// Returns the shift of a total bias at t_s.
+  MatrixXd BiasRows(const std::vector<ProcessChain>& chains, double t_s) const {
+    MatrixXd rows = MatrixXd::Zero(3, shift.cols());
+    for (const ProcessChain& chain : chains) rows += Rows(chain.At(t_s).id);
+    return rows;
+  }
+
+  /// Returns the shifts of position, velocity, attitude and the biases of gyros and accelerometers
+  /// at some nodes.
+  MatrixXd NodeRows(std::span<const NodeBlocks> nodes) const {
+    MatrixXd rows(kNodeRows * static_cast<Index>(nodes.size()), shift.cols());
+    Index row = 0;
+    for (const NodeBlocks& node : nodes) {
+      rows.middleRows<kNodeRows>(row) << Rows(node.p_mb.id), Rows(node.v_m.id), Rows(node.q_mb.id),
+          BiasRows(trajectory.gyro_bias(), node.t_s), BiasRows(trajectory.accel_bias(), node.t_s);
+      row += kNodeRows;
+    }
+    return rows;
+  }
+};
+
+/// `mean` and `gain` have the rows of the node: the mean shift, and a root of its covariance.
 NodeChange MakeChange(double t_s, const NodeAxes& axes, const Eigen::VectorXd& mean,
                       const MatrixXd& gain) {
   const MatrixXd position = gain.topRows<3>(), velocity = gain.middleRows<3>(3),
-                 attitude = gain.bottomRows<3>();
+                 attitude = gain.middleRows<3>(6), gyro = gain.middleRows<3>(9),
+                 accel = gain.bottomRows<3>();
   const auto variance = [](const MatrixXd& part) {
     return Eigen::Vector3d(part.rowwise().squaredNorm());
   };
@@ -80,11 +109,15 @@ NodeChange MakeChange(double t_s, const NodeAxes& axes, const Eigen::VectorXd& m
   change.t_s = t_s;
   change.position_m = -mean.head<3>();
   change.velocity_mps = -mean.segment<3>(3);
-  change.attitude_rad = -mean.tail<3>();
+  change.attitude_rad = -mean.segment<3>(6);
+  change.gyro_bias_radps = -mean.segment<3>(9);
+  change.accel_bias_mps2 = -mean.tail<3>();
   change.velocity_variance_enu = variance(axes.R_enu_m * velocity);
   change.rph_variance_rad2 = variance(axes.rph_from_body * attitude);
   change.position_covariance_m2 = position * position.transpose();
   change.velocity_covariance = velocity * velocity.transpose();
+  change.gyro_bias_covariance = gyro * gyro.transpose();
+  change.accel_bias_covariance = accel * accel.transpose();
   change.pose_root.resize(6, gain.cols());
   change.pose_root << axes.R_enu_m * position, attitude;
   return change;
@@ -97,11 +130,12 @@ std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginal
   const MatrixXd shift = SolveShifts(marginals, library, unmodelled.components());
   const Eigen::VectorXd estimate = unmodelled.estimate()(unmodelled.components());
   const MatrixXd root = unmodelled.PosteriorRoot();
+  const NetworkShifts shifts{network.trajectory(), marginals.linearized(), shift};
   const std::span<const NodeBlocks> nodes(network.nodes());
   std::vector<NodeChange> changes;
   for (std::size_t first = 0; first < nodes.size(); first += kNodesAtOnce) {
     const auto some = nodes.subspan(first, std::min(kNodesAtOnce, nodes.size() - first));
-    const MatrixXd rows = NodeShifts(marginals.linearized(), some, shift);
+    const MatrixXd rows = shifts.NodeRows(some);
     const Eigen::VectorXd mean = rows * estimate;
     const MatrixXd gain = rows * root;
     for (std::size_t k = 0; k < some.size(); ++k) {
@@ -113,4 +147,5 @@ std::vector<NodeChange> NodeChanges(const FlightNetwork& network, const Marginal
   return changes;
 }
 
-}  // namespace dn::diagnosis_internal
+}  // namespace diagnosis_internal
+}  // namespace dn

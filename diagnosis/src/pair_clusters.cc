@@ -55,7 +55,7 @@ ResidualForm MakeForm(const std::vector<PlacedPair>& pairs, Eigen::Index num_row
     for (int k = 0; k < pair.rows.count; ++k) {
       const Tile tile{pair.strip_i, pair.strip_j, number(pair.point_m.x()),
                       number(pair.point_m.y()), k};
-      form.label[static_cast<std::size_t>(pair.rows.first + k)] =
+      form.label[static_cast<std::size_t>(pair.rows.first) + static_cast<std::size_t>(k)] =
           label.try_emplace(tile, static_cast<int>(label.size())).first->second;
     }
   }

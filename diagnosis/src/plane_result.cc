@@ -31,7 +31,7 @@ Json CalibrationJson(const std::string& flight, const PlaneCalibration& calibrat
       flight, "planes", calibration, check,
       {{"planes", PlanesJson(calibration, strips)}, {"strip_pairs", nullptr}}, timings);
   if (!calibration.unknowns.empty()) {
-    json["estimates"] = diagnosis_internal::UnknownsJson(calibration.unknowns);
+    json["estimates"] = UnknownsJson(calibration.unknowns);
   }
   return json;
 }

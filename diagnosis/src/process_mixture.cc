@@ -72,7 +72,7 @@ class ProcessMixer {
   Eigen::LLT<MatrixXd> Factor(const VectorXd& sigma) const {
     MatrixXd B = sigma.asDiagonal() * A_ * sigma.asDiagonal();
     B.diagonal().array() += 1.0;
-    return Eigen::LLT<MatrixXd>(std::move(B));
+    return Eigen::LLT<MatrixXd>(B);
   }
 
   double LogEvidence(const VectorXd& sigma) const {

@@ -15,7 +15,6 @@ namespace dn {
 using diagnosis_internal::AssessmentJson;
 using diagnosis_internal::BoresightJson;
 using diagnosis_internal::TimingJson;
-using diagnosis_internal::UnknownsJson;
 
 namespace {
 
@@ -81,15 +80,6 @@ void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vecto
 
 namespace diagnosis_internal {
 
-Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
-  Json json = Json::object();
-  for (const UnknownEstimate& unknown : unknowns) {
-    json[unknown.name] = {
-        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
-  }
-  return json;
-}
-
 Json TimingJson(const RunTimings& timings) {
   return {{"read", timings.read_s},
           {"solve", timings.solve_s},
@@ -115,6 +105,15 @@ Json AssessmentJson(const BoresightResult& boresight) {
 }
 
 }  // namespace diagnosis_internal
+
+Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
+  Json json = Json::object();
+  for (const UnknownEstimate& unknown : unknowns) {
+    json[unknown.name] = {
+        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
+  }
+  return json;
+}
 
 Json PredictedBoresightJson(const BoresightResult& boresight) {
   return {{"sigma_deg", ToJson(boresight.sigma_rad() * kDegPerRad)},
@@ -306,15 +305,13 @@ std::string FormatBiases(const std::vector<BiasEstimate>& biases) {
   return text;
 }
 
-Json ReferenceErrorsJson(const FlightNetwork& network) {
-  const Flight& flight = network.flight();
+Json ReferenceErrorsJson(const Flight& flight, const std::vector<MapPose>& poses) {
   if (!flight.reference) return nullptr;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d attitude = Eigen::Vector3d::Zero();
   double n = 0.0;
-  for (std::size_t k = 0; k < network.nodes().size(); ++k) {
-    const MapPose pose = network.trajectory().NodePose(k);
+  for (const MapPose& pose : poses) {
     if (!flight.reference->Covers(pose.t_s)) continue;
     const MapPose truth = flight.reference->MapPoseAt(pose.t_s, flight.frame);
     const Eigen::Matrix3d R_enu_m = flight.frame.R_m_enu(truth.p_mb).transpose();

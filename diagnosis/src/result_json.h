@@ -12,7 +12,6 @@ namespace dn::diagnosis_internal {
 /// These functions return the sections of result.json that all methods have.
 Json BoresightJson(const BoresightResult& boresight);
 Json AssessmentJson(const BoresightResult& boresight);
-Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns);
 Json TimingJson(const RunTimings& timings);
 
 /// Returns result.json of a method on a fixed trajectory. `compared` has the sections of the

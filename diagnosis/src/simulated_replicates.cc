@@ -5,6 +5,7 @@
 #include <dn/parallel.h>
 #include <dn/sim/random.h>
 #include <dn/sim/simulate.h>
+#include <dn/solvers/prediction.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -31,7 +32,7 @@ NamedStatistics ComputeStatistics(const Flight& flight, const std::function<bool
   options.interrupted = interrupted;
   const Solution solution(std::move(AdjustForEvidence(flight, options).adjustment));
   const Locations locations(solution.network(), solution.linearized(),
-                            solution.trajectory().redundancy);
+                            RedundancyNumbers(solution.marginals()));
   return Comparable(locations.statistics(), locations.Evaluate(solution.linearized().residual()));
 }
 

@@ -12,6 +12,13 @@
 #include "unmodelled.h"
 
 namespace dn {
+namespace {
+
+void AddVariance(const Eigen::Vector3d& variance, Eigen::Vector3d* sigma) {
+  *sigma = (sigma->cwiseAbs2() + variance).cwiseSqrt();
+}
+
+}  // namespace
 
 Solution::Solution(const Flight& flight, const AdjustOptions& options)
     : Solution(Adjust(flight, options), options.threads) {}
@@ -85,17 +92,36 @@ std::vector<UnknownEstimate> Solution::CheckedUnknowns() const {
   return unknowns;
 }
 
+std::vector<MapPose> Solution::CheckedPoses() const {
+  std::vector<MapPose> poses = network().trajectory().NodePoses();
+  if (!model_check().unmodelled) return poses;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    model_check().unmodelled->nodes[k].MovePose(&poses[k]);
+  }
+  return poses;
+}
+
+std::vector<BiasEstimate> Solution::CheckedBiases() const {
+  std::vector<BiasEstimate> biases = trajectory().biases;
+  if (!model_check().unmodelled) return biases;
+  for (std::size_t k = 0; k < biases.size(); ++k) {
+    const NodeChange& change = model_check().unmodelled->nodes[k];
+    biases[k].gyro_radps += change.gyro_bias_radps;
+    biases[k].accel_mps2 += change.accel_bias_mps2;
+    AddVariance(change.gyro_bias_covariance.diagonal(), &biases[k].sigma_gyro_radps);
+    AddVariance(change.accel_bias_covariance.diagonal(), &biases[k].sigma_accel_mps2);
+  }
+  return biases;
+}
+
 std::vector<TrajectorySigma> Solution::CheckedSigmas() const {
   std::vector<TrajectorySigma> sigma = trajectory().sigma;
   if (!model_check().unmodelled) return sigma;
-  const auto add = [](Eigen::Vector3d* one, const Eigen::Vector3d& variance) {
-    *one = (one->cwiseAbs2() + variance).cwiseSqrt();
-  };
   for (std::size_t k = 0; k < sigma.size(); ++k) {
     const NodeChange& change = model_check().unmodelled->nodes[k];
-    add(&sigma[k].position_enu_m, change.pose_root.topRows<3>().rowwise().squaredNorm());
-    add(&sigma[k].velocity_enu_mps, change.velocity_variance_enu);
-    add(&sigma[k].rph_rad, change.rph_variance_rad2);
+    AddVariance(change.pose_root.topRows<3>().rowwise().squaredNorm(), &sigma[k].position_enu_m);
+    AddVariance(change.velocity_variance_enu, &sigma[k].velocity_enu_mps);
+    AddVariance(change.rph_variance_rad2, &sigma[k].rph_rad);
   }
   return sigma;
 }
@@ -113,10 +139,12 @@ std::vector<NavPoint> Solution::CheckedTrajectory(std::vector<NavPoint> points) 
     const auto between = [&](Eigen::Vector3d NodeChange::*part) {
       return Eigen::Vector3d((1.0 - share) * a.*part + share * b.*part);
     };
+    NodeChange change;
+    change.position_m = between(&NodeChange::position_m);
+    change.velocity_mps = between(&NodeChange::velocity_mps);
+    change.attitude_rad = between(&NodeChange::attitude_rad);
     MapPose pose = ToMapPose(point, frame);
-    pose.p_mb += between(&NodeChange::position_m);
-    pose.v_m += between(&NodeChange::velocity_mps);
-    pose.q_mb = pose.q_mb * Exp(between(&NodeChange::attitude_rad));
+    change.MovePose(&pose);
     const NavPoint moved = ToNavPoint(pose, frame);
     point.position = moved.position;
     point.q_nb = moved.q_nb;

@@ -63,13 +63,16 @@ UnmodelledUnknowns::UnmodelledUnknowns(const Library& library, const UnmodelledP
     : library_(library), score_(score), estimate_(VectorXd::Zero(score.s.size())) {
   std::vector<double> sigma;
   for (const Hypothesis& hypothesis : library.hypotheses) {
-    if (!hypothesis.id || !EffectRow(*hypothesis.id).fixed()) continue;
+    // A hypothesis of cells is one of many windows or starts; none of them has a prior.
+    if (!hypothesis.id || hypothesis.cells || !EffectRow(*hypothesis.id).fixed()) continue;
     const VectorXd sigma_si = prior.Sigma(*hypothesis.id);
     const std::vector<Index> components = hypothesis.Components(score);
     for (std::size_t k = 0; k < components.size(); ++k) {
       const double one = sigma_si[static_cast<Index>(k)];
       if (one == 0.0) continue;
       fixed_.push_back(components[k]);
+      effect_.push_back(*hypothesis.id);
+      within_.push_back(static_cast<Index>(k));
       sigma.push_back(one);
     }
   }
@@ -131,6 +134,17 @@ MatrixXd UnmodelledUnknowns::Gain() const {
 MatrixXd UnmodelledUnknowns::PriorCovariance() const {
   const MatrixXd gain = score_.shift(Eigen::all, fixed_) * sigma_.asDiagonal();
   return gain * gain.transpose();
+}
+
+EffectPosterior UnmodelledUnknowns::Posterior() const {
+  const MatrixXd root = PosteriorRoot();
+  const MatrixXd fixed = root.topRows(static_cast<Index>(fixed_.size()));
+  const MatrixXd shift = score_.shift(Eigen::all, components_) * root;
+  EffectPosterior posterior{effect_, within_, sigma_, estimate_(fixed_), {}, {}, {}};
+  posterior.covariance = fixed * fixed.transpose();
+  posterior.added = shift * shift.transpose();
+  posterior.cross = -shift * fixed.transpose();
+  return posterior;
 }
 
 VectorXd UnmodelledUnknowns::EstimateBeside(const VectorXd& others) const {

@@ -37,6 +37,10 @@ class UnmodelledUnknowns {
   /// Returns the distribution of the process; nullopt without it.
   const std::optional<ProcessMixture>& process() const { return process_; }
 
+  /// Returns the joint posterior of the fixed effects and of the unknowns in the rows of
+  /// JointScore::shift.
+  EffectPosterior Posterior() const;
+
   /// Returns a square root of the posterior covariance of components(), SI.
   Eigen::MatrixXd PosteriorRoot() const;
 
@@ -79,6 +83,8 @@ class UnmodelledUnknowns {
   const JointScore& score_;
   std::vector<Eigen::Index> components_;    // those with a prior
   std::vector<Eigen::Index> fixed_;         // those of fixed effects
+  std::vector<EffectId> effect_;            // effect of each of the fixed_
+  std::vector<Eigen::Index> within_;        // its index within the effect
   Eigen::VectorXd sigma_;                   // prior standard deviations of the fixed_
   Eigen::LLT<Eigen::MatrixXd> llt_;         // of I + sigma A sigma, A of the fixed_
   Eigen::MatrixXd inverse_;                 // its inverse

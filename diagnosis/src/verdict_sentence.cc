@@ -9,13 +9,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "decision.h"
 #include "effect_words.h"
 
 namespace dn {
 namespace {
 
 using diagnosis_internal::Alternatives;
+using diagnosis_internal::kUnlike;
 using diagnosis_internal::MdegWords;
+using diagnosis_internal::PWords;
+using diagnosis_internal::ResultWord;
+using diagnosis_internal::Rounded;
+
+// A rest is called small if the named effects close more than this share of the gap.
+constexpr double kMostOfTheGap = 0.9;
+// A named effect below this probability is given with its best rival.
+constexpr double kNearlyCertain = 0.9;
 
 /// Returns what a user of the Gauss-Helmert adjustment can do, which estimates only the boresight.
 std::string RemedyOnGivenTrajectory(const GapCause& cause) {
@@ -44,12 +54,19 @@ std::string ShiftText(const GapCause& cause) {
              : ", which moves the boresight (roll, pitch, yaw) by " + MdegWords(max_shift_sigmas);
 }
 
+/// Compares an effect with its prior: a tolerance of the sensor, or a fault.
+std::string PriorWords(const GapCause& cause) {
+  if (!cause.prior_sigmas) return "";
+  return fmt::format(" ({} times its usual sigma, {})", Rounded(*cause.prior_sigmas, 2),
+                     cause.within_prior() ? "a tolerance" : "a fault");
+}
+
 /// Describes one effect: name, size, shift of the boresight, and the key that models it.
 std::string Effect(const GapDiagnosis& d, const GapCause& cause) {
   const std::string size = diagnosis_internal::ValueWords(cause);
-  return fmt::format("{}{}{}{}: {}", cause.effect, size.empty() ? "" : " of " + size,
-                     diagnosis_internal::TimesWords(cause.times), ShiftText(cause),
-                     Remedy(d, cause));
+  return fmt::format("{}{}{}{}{}: {}", cause.effect, size.empty() ? "" : " of " + size,
+                     diagnosis_internal::TimesWords(cause.times), PriorWords(cause),
+                     ShiftText(cause), Remedy(d, cause));
 }
 
 /// Returns the shift of the boresight by random effects, whose own shifts are not known.
@@ -83,17 +100,6 @@ std::string NamedEffects(const GapDiagnosis& d) {
   return text + ImplausibleWords(d);
 }
 
-/// Returns what follows for the reported boresight if all named effects are tolerances; "" if one
-/// is a fault or random.
-std::string ToleranceWords(const GapDiagnosis& d) {
-  const std::vector<GapCause> causes = VerdictCauses(d);
-  const bool all = !causes.empty() && std::all_of(causes.begin(), causes.end(),
-                                                  [](const auto& c) { return c.within_prior(); });
-  if (!all) return "";
-  return "; this is within the tolerance of the sensors, which the results of dn calibrate contain "
-         "in angles and sigmas, so that the boresight is reliable";
-}
-
 /// Returns the other effects that could explain the data.
 std::vector<std::string> OtherNames(const GapDiagnosis& d) {
   const std::vector<std::string>& effects = d.verdict.effects;
@@ -108,15 +114,49 @@ std::vector<std::string> OtherNames(const GapDiagnosis& d) {
   return names;
 }
 
+/// Returns whether all these effects are tolerances of the sensors; false for no effects.
+bool AllTolerances(const GapDiagnosis& d, const std::vector<std::string>& effects) {
+  return !effects.empty() &&
+         std::all_of(effects.begin(), effects.end(), [&](const std::string& effect) {
+           return std::any_of(d.causes.begin(), d.causes.end(), [&](const GapCause& cause) {
+             return cause.effect == effect && cause.within_prior();
+           });
+         });
+}
+
+/// Returns the words for results that contain the tolerances of the sensors. The errors of a given
+/// trajectory are not among them.
+std::string ReliableWords(const GapDiagnosis& d) {
+  std::string text = "which the results of dn calibrate contain in angles and sigmas";
+  if (d.trajectory_given) return text;
+  return text + fmt::format(", so that the {} is reliable", ResultWord(d));
+}
+
+/// Returns what follows for the reported boresight if all named effects are tolerances; "" if one
+/// is a fault or random.
+std::string ToleranceWords(const GapDiagnosis& d) {
+  if (!AllTolerances(d, d.verdict.effects)) return "";
+  const std::vector<std::string> others = OtherNames(d);
+  if (d.verdict.unknown) {
+    return "; the named effects are within the tolerance of the sensors, but the rest is not";
+  }
+  if (!others.empty() && !AllTolerances(d, others)) {
+    return fmt::format("; {} would be within the tolerance of the sensors, others would not",
+                       fmt::join(d.verdict.effects, " and "));
+  }
+  return "; this is within the tolerance of the sensors, " + ReliableWords(d);
+}
+
 std::string WithTieBreaker(const GapDiagnosis& d, const std::string& text) {
   return d.verdict.tie_breaker.empty() ? text : text + "; " + d.verdict.tie_breaker;
 }
 
 std::string Group(const GapDiagnosis& d) {
-  const std::string others = Alternatives(OtherNames(d));
-  const std::string text = NamedEffects(d);
-  if (others.empty()) return WithTieBreaker(d, text);
-  return WithTieBreaker(d, text + "; this flight cannot separate it from " + others);
+  const std::vector<std::string> others = OtherNames(d);
+  const std::string inseparable =
+      others.empty() ? "; this flight cannot separate them from each other"
+                     : "; this flight cannot separate it from " + Alternatives(others);
+  return WithTieBreaker(d, NamedEffects(d) + inseparable + ToleranceWords(d));
 }
 
 std::string Place(const GapDiagnosis& d) {
@@ -136,16 +176,79 @@ std::string WithoutName(const GapDiagnosis& d) {
   return "";
 }
 
+/// Describes a significant rest by its size.
+std::string RestSize(const GapDiagnosis& d) {
+  const GapState& after = d.shrinkage->after;
+  std::string text =
+      d.shrinkage->fraction > kMostOfTheGap ? "is small, but significant (" : "is significant (";
+  text += PWords(after.p_value);
+  if (after.size_nats_per_obs > 0.0) {
+    text += fmt::format("; {} nats per observation", Rounded(after.size_nats_per_obs, 2));
+  }
+  return text + ")";
+}
+
+/// Returns the reasons why the named effects are not the whole explanation.
+std::vector<std::string> RestReasons(const GapDiagnosis& d) {
+  std::vector<std::string> reasons;
+  if (d.shrinkage && d.shrinkage->after.p_value <= d.validity.alpha) {
+    reasons.push_back(RestSize(d));
+  }
+  if (d.shrinkage && d.shrinkage->rest) {
+    const GapDiscrepancy& rest = *d.shrinkage->rest;
+    reasons.push_back(fmt::format("resembles {} ({} nats)",
+                                  diagnosis_internal::DiscrepancyWords(rest),
+                                  Rounded(rest.log_evidence, 3)));
+  }
+  if (d.validity.like_replicates_p.value_or(1.0) < kUnlike) {
+    reasons.push_back(
+        fmt::format("shows in simulated flights with the same effects, which differ "
+                    "from this one ({})",
+                    PWords(*d.validity.like_replicates_p)));
+  }
+  return reasons;
+}
+
+/// Returns the most probable unmodelled discrepancy if a single named effect is not nearly certain;
+/// "" otherwise.
+std::string DoubtWords(const GapDiagnosis& d) {
+  for (const GapCause& cause : VerdictCauses(d)) {
+    if (cause.posterior >= kNearlyCertain) continue;
+    const auto rival =
+        std::max_element(d.discrepancies.begin(), d.discrepancies.end(),
+                         [](const auto& a, const auto& b) { return a.posterior < b.posterior; });
+    if (rival == d.discrepancies.end() || rival->posterior < 0.5 * (1.0 - cause.posterior))
+      continue;
+    return fmt::format("; the probability of {} is {:.2f}, that of {} {:.2f}", cause.effect,
+                       cause.posterior, diagnosis_internal::DiscrepancyWords(*rival),
+                       rival->posterior);
+  }
+  return "";
+}
+
 std::string Partial(const GapDiagnosis& d) {
-  return WithTieBreaker(
-      d, NamedEffects(d) + "; no effect of the library explains the rest of the gap" + Place(d));
+  std::string text = NamedEffects(d) + "; no effect of the library explains the rest of the gap";
+  const std::vector<std::string> reasons = RestReasons(d);
+  if (!reasons.empty()) text += fmt::format(", which {}", fmt::join(reasons, " and "));
+  if (!Place(d).empty()) text += "; the gap is" + Place(d).substr(1);
+  return WithTieBreaker(d, text + WithoutName(d) + ToleranceWords(d));
+}
+
+/// Returns the words for the best effect of the library, if it explains a part of the gap but less
+/// than an unmodelled discrepancy does.
+std::string LessThanDiscrepancy(const GapDiagnosis& d) {
+  if (d.causes.empty()) return "";
+  const GapCause& best = d.causes.front();
+  const std::string weaker = diagnosis_internal::WeakerWords(d, best);
+  return weaker.empty() ? "" : fmt::format("; {} explains a part, with {}", best.effect, weaker);
 }
 
 std::string Unknown(const GapDiagnosis& d) {
   return WithTieBreaker(
       d, fmt::format("the data differ from the assumed model ({}){}, and no effect of the library "
-                     "explains it: do not use the boresight before you have checked these data{}",
-                     diagnosis_internal::PWords(d.p_value), Place(d), WithoutName(d)));
+                     "explains all of it: do not use the {} before you have checked these data{}{}",
+                     PWords(d.p_value), Place(d), ResultWord(d), WithoutName(d),
+                     LessThanDiscrepancy(d)));
 }
 
 /// Returns the effect with the largest undetected shift of the boresight. On a given trajectory,
@@ -159,9 +262,14 @@ DetectionLimit MostHarmful(const GapDiagnosis& d) {
 }
 
 std::string NoGap(const GapDiagnosis& d) {
-  std::string text = fmt::format(
-      "the data agree with the assumed model ({}; the gap is at most {:.2g} nats per observation)",
-      diagnosis_internal::PWords(d.p_value), d.size.upper_limit_95);
+  std::string text =
+      d.size.upper_limit_95 > 0.0
+          ? fmt::format(
+                "the data agree with the assumed model ({}; the gap is at most {:.2g} nats "
+                "per observation)",
+                PWords(d.p_value), d.size.upper_limit_95)
+          : fmt::format("the data agree with the assumed model ({})", PWords(d.p_value));
+  if (d.with_tolerances) text += " within the tolerance of the sensors, " + ReliableWords(d);
   if (d.could_still_hide.empty()) return text;
   const DetectionLimit worst = MostHarmful(d);
   if (!std::isfinite(worst.minimal_detectable)) {
@@ -190,7 +298,7 @@ std::string Unavailable(const GapDiagnosis& d) {
 std::string KindText(const GapDiagnosis& diagnosis) {
   switch (diagnosis.verdict.kind) {
     case GapVerdictKind::kIdentified:
-      return NamedEffects(diagnosis) + ToleranceWords(diagnosis);
+      return NamedEffects(diagnosis) + DoubtWords(diagnosis) + ToleranceWords(diagnosis);
     case GapVerdictKind::kGroup:
       return Group(diagnosis);
     case GapVerdictKind::kPartial:
@@ -210,7 +318,7 @@ std::string KindText(const GapDiagnosis& diagnosis) {
 std::string UnexplainedWords(const GapDiagnosis& d) {
   if (!d.verdict.unknown) return "";
   return fmt::format("{} of a gap ({}){}{}", d.verdict.effects.empty() ? "all" : "a part",
-                     diagnosis_internal::PWords(d.p_value), Place(d), WithoutName(d));
+                     PWords(d.p_value), Place(d), WithoutName(d));
 }
 
 std::string VerdictSentence(const GapDiagnosis& diagnosis) {

@@ -52,7 +52,7 @@ SmoothedFlight Fly(const dn::Scenario& scenario, std::uint64_t seed,
       "trajectory_covariance.txt",
       dn::FormatTrajectoryCovariance(smoothed.PoseCovariance(dn::FindStrips(out.sim.flight))));
   files.Commit();
-  const dn::Json errors = dn::ReferenceErrorsJson(smoothed.network());
+  const dn::Json errors = dn::ReferenceErrorsJson(out.sim.flight, smoothed.CheckedPoses());
   for (int i = 0; i < 3; ++i) {
     out.rph_rmse_deg[i] = errors["roll_pitch_heading_rmse_deg"][static_cast<std::size_t>(i)];
   }

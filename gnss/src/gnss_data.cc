@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "gnss_readers.h"
@@ -85,8 +86,19 @@ Eigen::Matrix3d SignedRootsToCovariance(const Eigen::Vector3d& sigma,
 
 }  // namespace gnss_internal
 
-GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s,
-                  const GnssColumns& columns) {
+namespace {
+
+/// Leaves out the epochs without a covariance if other epochs have one.
+void LeaveOutUnknownSigmas(GnssData* data) {
+  const auto unknown = [](const GnssEpoch& epoch) { return !epoch.covariance_enu_m2; };
+  std::vector<GnssEpoch>& epochs = data->epochs;
+  if (std::all_of(epochs.begin(), epochs.end(), unknown)) return;
+  data->Count("gnss rows with sigmas of 0, left out",
+              static_cast<long>(std::erase_if(epochs, unknown)));
+}
+
+GnssData ReadFormat(const std::filesystem::path& file, GnssFormat format, double time_offset_s,
+                    const GnssColumns& columns) {
   switch (format) {
     case GnssFormat::kOdyn:
       return gnss_internal::ReadOdynGnss(file, time_offset_s, columns);
@@ -98,6 +110,22 @@ GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double t
       return gnss_internal::ReadNmea(file, time_offset_s);
   }
   throw InvalidInput("unknown GNSS format", {file.string(), 0, 0});
+}
+
+}  // namespace
+
+const std::vector<std::string>& GnssQuantities() {
+  static const std::vector<std::string> quantities{"lat",     "lon",      "h",        "sigma_e",
+                                                   "sigma_n", "sigma_u",  "ve",       "vn",
+                                                   "vu",      "sigma_ve", "sigma_vn", "sigma_vu"};
+  return quantities;
+}
+
+GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s,
+                  const GnssColumns& columns) {
+  GnssData data = ReadFormat(file, format, time_offset_s, columns);
+  LeaveOutUnknownSigmas(&data);
+  return data;
 }
 
 }  // namespace dn

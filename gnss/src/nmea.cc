@@ -2,135 +2,81 @@
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gnss_readers.h"
 #include "gps_time.h"
+#include "nmea_date.h"
+#include "nmea_sentence.h"
 
 namespace dn::gnss_internal {
 namespace {
-
-/// Returns the fields of "$GPGGA,...*hh" without '$' and checksum. The result is empty for a line
-/// that is not a sentence or has a wrong checksum.
-std::vector<std::string_view> SplitSentence(std::string_view line) {
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-  if (line.empty() || line.front() != '$') return {};
-  line.remove_prefix(1);
-  const std::size_t star = line.find('*');
-  if (star != std::string_view::npos) {
-    unsigned sum = 0, stated = 256;
-    for (const char c : line.substr(0, star)) sum ^= static_cast<unsigned char>(c);
-    std::from_chars(line.data() + star + 1, line.data() + line.size(), stated, 16);
-    if (sum != stated) return {};
-    line = line.substr(0, star);
-  }
-  std::vector<std::string_view> fields;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    fields.push_back(line.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return fields;
-}
-
-bool IsSentence(const std::vector<std::string_view>& fields, std::string_view type,
-                std::size_t least) {
-  return fields.size() >= least && fields[0].size() == 5 && fields[0].substr(2) == type;
-}
-
-/// Parses two digits of a field from position `at` on; returns -1 if they are not digits.
-int TwoDigits(std::string_view field, std::size_t at) {
-  int value = -1;
-  if (field.size() < at + 2) return -1;
-  const char* end = field.data() + at + 2;
-  const auto [parsed, error] = std::from_chars(field.data() + at, end, value);
-  return error == std::errc() && parsed == end ? value : -1;
-}
-
-/// Parses "hhmmss.ss" and returns the seconds of the day.
-double DaySeconds(std::string_view field, const FileLocation& where) {
-  const int hour = TwoDigits(field, 0), minute = TwoDigits(field, 2);
-  if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || field.size() < 6) {
-    throw InvalidInput("the time of an NMEA sentence is not hhmmss", where);
-  }
-  const double second = ParseNumber(field.substr(4), where);
-  if (!(second >= 0.0 && second < 61.0)) {
-    throw InvalidInput("the time of an NMEA sentence is not hhmmss", where);
-  }
-  return 3600.0 * hour + 60.0 * minute + second;
-}
-
-/// Converts "dddmm.mmmm" to degrees, negative for the hemispheres S and W.
-double Degrees(std::string_view field, std::string_view hemisphere, const FileLocation& where) {
-  const double value = ParseNumber(field, where);
-  const double degrees = std::floor(value / 100.0);
-  const double angle = degrees + (value - 100.0 * degrees) / 60.0;
-  return hemisphere == "S" || hemisphere == "W" ? -angle : angle;
-}
-
-/// Beginning of a UTC day, written as if it were GPS time.
-struct Day {
-  double t_s;  ///< seconds since the GPS epoch
-};
-
-Day MakeDay(int year, int month, int day, const FileLocation& where) {
-  try {
-    const GpsTime time = CalendarToGpsTime(year, month, day, 0, 0, 0.0);
-    return {kWeekS * static_cast<double>(time.week) + time.tow_s};
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(error.what(), where);
-  }
-}
-
-/// Date and time of day of one sentence, UTC.
-struct Stamp {
-  Day day;
-  double time_of_day_s;
-};
-
-std::optional<Stamp> ParseStamp(const std::vector<std::string_view>& fields,
-                                const FileLocation& where) {
-  if (IsSentence(fields, "RMC", 10) && fields[9].size() == 6) {
-    const int short_year = TwoDigits(fields[9], 4);
-    const int year = short_year + (short_year < 80 ? 2000 : 1900);
-    return Stamp{MakeDay(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
-                 DaySeconds(fields[1], where)};
-  }
-  if (IsSentence(fields, "ZDA", 5) && !fields[4].empty()) {
-    const auto number = [&](std::size_t i) {
-      return static_cast<int>(std::clamp(ParseNumber(fields[i], where), -1.0, 9999.0));
-    };
-    return Stamp{MakeDay(number(4), number(3), number(2), where), DaySeconds(fields[1], where)};
-  }
-  return std::nullopt;
-}
 
 struct Fix {
   double time_of_day_s;
   Geodetic antenna;
   long line;
+  std::string talker;
+  bool has_separation;
 };
 
 /// Returns true if a GGA sentence contains a position.
 bool HasFix(const std::vector<std::string_view>& gga) {
-  return !gga[2].empty() && !gga[4].empty() && !gga[6].empty() && gga[6] != "0" && !gga[9].empty();
+  return !gga[1].empty() && !gga[2].empty() && !gga[4].empty() && !gga[6].empty() &&
+         gga[6] != "0" && !gga[9].empty();
+}
+
+/// Returns true if the position is measured: not dead reckoning (6), manual (7) or simulated (8).
+bool IsMeasured(const std::vector<std::string_view>& gga) {
+  return gga[6] != "6" && gga[6] != "7" && gga[6] != "8";
 }
 
 Fix ParseFix(const std::vector<std::string_view>& gga, const FileLocation& where) {
   Fix fix{};
   fix.time_of_day_s = DaySeconds(gga[1], where);
-  const double separation_m = gga[11].empty() ? 0.0 : ParseNumber(gga[11], where);
-  fix.antenna = {Degrees(gga[2], gga[3], where) * kRadPerDeg,
-                 Degrees(gga[4], gga[5], where) * kRadPerDeg,
+  fix.has_separation = !gga[11].empty();
+  const double separation_m = fix.has_separation ? ParseNumber(gga[11], where) : 0.0;
+  fix.antenna = {Degrees(gga[2], gga[3], 'N', 'S', where) * kRadPerDeg,
+                 Degrees(gga[4], gga[5], 'E', 'W', where) * kRadPerDeg,
                  ParseNumber(gga[9], where) + separation_m};
   CheckGeodetic(fix.antenna, where);
   fix.line = where.line;
+  fix.talker = gga[0].substr(0, 2);
   return fix;
+}
+
+/// Keeps the sentences of one talker: the most frequent, of equally frequent ones GN, which
+/// combines all systems. The positions of other talkers are further solutions at the same epochs.
+long KeepOneTalker(std::vector<Fix>* fixes) {
+  std::map<std::string, long> count;
+  for (const Fix& fix : *fixes) ++count[fix.talker];
+  const auto best = std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.second, a.first == "GN") < std::pair(b.second, b.first == "GN");
+  });
+  if (best == count.end()) return 0;
+  return static_cast<long>(
+      std::erase_if(*fixes, [&](const Fix& fix) { return fix.talker != best->first; }));
+}
+
+/// Removes positions whose ellipsoidal height is unknown. Throws InvalidInput if it is never known.
+long KeepEllipsoidalHeights(const std::filesystem::path& file, std::vector<Fix>* fixes) {
+  const long first = fixes->empty() ? 0 : fixes->front().line;
+  const auto removed = std::erase_if(*fixes, [](const Fix& fix) { return !fix.has_separation; });
+  if (fixes->empty() && removed > 0) {
+    throw InvalidInput(
+        "no GGA sentence states the geoid separation (field 11), so the heights above the "
+        "ellipsoid "
+        "are unknown; let the receiver write it, or give a table of t, latitude, longitude and "
+        "ellipsoidal height (format odyn)",
+        {file.string(), first, 0});
+  }
+  return static_cast<long>(removed);
 }
 
 /// Returns the beginning of the day that puts `time_of_day_s` closest to `known_s`. The day differs
@@ -172,28 +118,42 @@ GnssData MakeGnssData(const std::vector<Fix>& fixes, const Stamp& stamp, double 
 
 GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   std::vector<Fix> fixes;
-  std::optional<Stamp> stamp;
-  long unusable = 0;
+  DateFinder date;
+  long unusable = 0, not_measured = 0;
   LineReader lines(file);
   for (std::string_view line; lines.Next(&line);) {
     const FileLocation where{file.string(), lines.line(), 0};
     const std::vector<std::string_view> fields = SplitSentence(line);
-    if (!stamp) stamp = ParseStamp(fields, where);
+    date.Take(fields, !fixes.empty(), where);
     if (fields.empty() && line.find("GGA") != std::string_view::npos) ++unusable;
     if (!IsSentence(fields, "GGA", 12)) continue;
-    if (HasFix(fields)) {
-      fixes.push_back(ParseFix(fields, where));
-    } else {
+    if (!HasFix(fields)) {
       ++unusable;
+    } else if (!IsMeasured(fields)) {
+      ++not_measured;
+    } else {
+      fixes.push_back(ParseFix(fields, where));
     }
   }
+  const long other_talkers = KeepOneTalker(&fixes);
+  const long without_separation = KeepEllipsoidalHeights(file, &fixes);
   if (fixes.empty()) throw InvalidInput("no GGA sentence with a position", {file.string(), 0, 0});
+  const std::optional<Stamp> stamp = date.stamp();
   if (!stamp) {
-    throw InvalidInput("no RMC or ZDA sentence gives the date of the GGA sentences",
+    throw InvalidInput("no valid RMC or ZDA sentence gives the date of the GGA sentences",
                        {file.string(), 0, 0});
   }
   GnssData data = MakeGnssData(fixes, *stamp, time_offset_s, file);
   data.unusable_sentences = unusable;
+  data.Count("gnss positions of dead reckoning, manual or simulated, left out", not_measured);
+  data.Count("gnss sentences of another talker, left out", other_talkers);
+  data.Count("gnss sentences without geoid separation, left out", without_separation);
+  if (MayHaveMissedARollover(*stamp)) {
+    data.Count(
+        "gnss sentences dated 1999 to 2009: if the receiver missed a rollover of 1024 weeks, "
+        "their leap seconds are those of the wrong date, and gnss.time_offset_s corrects it",
+        static_cast<long>(fixes.size()));
+  }
   return data;
 }
 

@@ -30,8 +30,10 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
     epoch.t_s = row[0];
     epoch.antenna = columns.position.Read(row + 1, where);
     epoch.line = table.lines[i];
-    epoch.covariance_enu_m2 =
-        NedSigmasToCovariance(row + (has_velocity ? 7 : 4), "position", where);
+    const double* sigma_ned = row + (has_velocity ? 7 : 4);
+    if (!Eigen::Map<const Eigen::Vector3d>(sigma_ned).isZero(0.0)) {
+      epoch.covariance_enu_m2 = NedSigmasToCovariance(sigma_ned, "position", where);
+    }
     if (has_velocity) {
       epoch.velocity_enu_mps = Eigen::Vector3d(row[5], row[4], -row[6]);
       CheckVelocity(*epoch.velocity_enu_mps, where);

@@ -23,11 +23,28 @@ Layout RowLayout(std::size_t columns) {
   }
 }
 
+/// Returns position, sigma, velocity and its sigma, as far as the names have them. A velocity needs
+/// its sigma.
+std::vector<std::string> NamedQuantities(const ColumnNames& names) {
+  const std::vector<std::string>& all = GnssQuantities();
+  const auto has = [&](std::size_t triple) { return HasColumn(names, all[3 * triple]); };
+  std::vector<std::string> quantities;
+  for (const std::size_t triple : {0, 1, 2, 3}) {
+    const bool velocity = triple >= 2;
+    if (triple > 0 && !(velocity ? has(2) && has(3) : has(triple))) continue;
+    quantities.insert(quantities.end(), all.begin() + static_cast<std::ptrdiff_t>(3 * triple),
+                      all.begin() + static_cast<std::ptrdiff_t>(3 * triple + 3));
+  }
+  return quantities;
+}
+
 }  // namespace
 
 GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
                       const GnssColumns& columns) {
-  TextTable table = ReadTextTable(file, {4, 7, 10, 13});
+  TextTable table = columns.names.empty()
+                        ? ReadTextTable(file, {4, 7, 10, 13})
+                        : ReadNamedColumns(file, columns.names, NamedQuantities(columns.names));
   const Layout layout = RowLayout(table.columns);
   std::vector<std::size_t> keep;
   GnssData data;
@@ -41,7 +58,7 @@ GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
     epoch.t_s = row[0];
     epoch.antenna = columns.position.Read(row + 1, where);
     epoch.line = table.lines[i];
-    if (layout.sigma > 0) {
+    if (layout.sigma > 0 && !triple(layout.sigma).isZero(0.0)) {
       epoch.covariance_enu_m2 = EnuSigmasToCovariance(triple(layout.sigma), "position", where);
     }
     if (layout.velocity > 0) {

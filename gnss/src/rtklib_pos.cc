@@ -84,6 +84,29 @@ std::optional<Header> ParseHeader(std::string_view line, const FileLocation& whe
   return header;
 }
 
+/// Returns the header that fits a row of a complete solution, written without header lines; nullopt
+/// for any other number of values. The options of RTKLIB append columns only in this order.
+std::optional<Header> GuessHeader(const Fields& fields) {
+  static const std::vector<std::string> kGeographic{"latitude", "longitude", "height"};
+  static const std::vector<std::string> kEcef{"x-ecef", "y-ecef", "z-ecef"};
+  constexpr std::size_t kTimes = 2, kPosition = 13, kWithVelocity = 22;
+  const std::size_t values = fields.size() - std::min(fields.size(), kTimes);
+  if (values != kPosition && values != kWithVelocity) return std::nullopt;
+  double first = 0.0;
+  std::from_chars(fields[2].data(), fields[2].data() + fields[2].size(), first);
+  const bool ecef = std::abs(first) > 360.0;
+  Header header{TimeSystem::kGps, ecef ? kEcef : kGeographic};
+  const auto append = [&header](const char* names) {
+    for (const std::string_view name : Split(names)) header.columns.emplace_back(name);
+  };
+  append(ecef ? "Q ns sdx sdy sdz sdxy sdyz sdzx age ratio"
+              : "Q ns sdn sde sdu sdne sdeu sdun age ratio");
+  if (values == kPosition) return header;
+  append(ecef ? "vx vy vz sdvx sdvy sdvz sdvxy sdvyz sdvzx"
+              : "vn ve vu sdvn sdve sdvu sdvne sdveu sdvun");
+  return header;
+}
+
 void RejectOtherDatums(std::string_view line, const FileLocation& where) {
   constexpr std::string_view kKey = "lat/lon/height=";
   const std::size_t at = line.find(kKey);
@@ -173,6 +196,8 @@ class PosParser {
   }
 
   const Header& header() const { return *header_; }
+  /// Number of rows before any header, whose columns and time system are assumed.
+  long guessed_rows() const { return guessed_rows_; }
   TextTable& table() { return table_; }
 
  private:
@@ -184,12 +209,19 @@ class PosParser {
       if (header_ && header_->columns != header->columns) {
         throw InvalidInput("columns change within the file", Here());
       }
+      guessed_ = false;
       header_ = std::move(header);
       table_.columns = 1 + header_->columns.size();
     }
   }
 
   void ParseRow(const Fields& fields) {
+    if (!header_) {
+      header_ = GuessHeader(fields);
+      guessed_ = header_.has_value();
+      if (guessed_) table_.columns = 1 + header_->columns.size();
+    }
+    if (guessed_) ++guessed_rows_;
     if (!header_) {
       throw InvalidInput(
           "no line with the names of the columns ('%  GPST  latitude(deg) ...') before the first "
@@ -237,6 +269,8 @@ class PosParser {
 
   TextTable table_;
   std::optional<Header> header_;
+  bool guessed_ = false;
+  long guessed_rows_ = 0;
   long line_ = 0;
   long first_week_ = 0;
 };
@@ -296,7 +330,7 @@ GnssEpoch MakeEpoch(const Row& row, const FileLocation& where) {
   const Eigen::Matrix3d R_enu_axes =
       is_xyz ? Eigen::Matrix3d(R_e_enu(epoch.antenna).transpose()) : Eigen::Matrix3d::Identity();
   const Names& position = is_xyz ? kPositionXyz : kPositionEnu;
-  if (row.Has(position.sigma)) {
+  if (row.Has(position.sigma) && !row.Triple(position.sigma).isZero(0.0)) {
     epoch.covariance_enu_m2 =
         R_enu_axes * Covariance(row, position, "position", where) * R_enu_axes.transpose();
   }
@@ -324,6 +358,7 @@ GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s) 
 
   std::vector<std::size_t> keep;
   GnssData data;
+  data.Count("gnss rows without a header, read as GPS time", parser.guessed_rows());
   data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);
   data.epochs.reserve(keep.size());
   for (const std::size_t i : keep) {

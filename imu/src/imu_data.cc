@@ -48,7 +48,9 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
                           long* repeated_rows_dropped) {
   std::vector<std::size_t> columns{7};
   if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // an odometer, not used
-  TextTable table = ReadTextTable(file, columns);
+  TextTable table = options.columns.empty()
+                        ? ReadTextTable(file, columns)
+                        : ReadNamedColumns(file, options.columns, ImuQuantities());
   std::vector<std::size_t> keep;
   *repeated_rows_dropped = ContinueAndCheckTimes(table, keep, options.time_offset_s);
   std::vector<Row> rows;
@@ -56,7 +58,8 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   for (const std::size_t i : keep) {
     const double* x = table.row(i);
     for (int c = 1; c < 7; ++c) {
-      if (!(std::abs(x[c]) <= kHighestValue)) FailSize(x[c], {file.string(), table.lines[i]});
+      const double value = x[c] * (c < 4 ? options.rate_unit_radps : options.force_unit_mps2);
+      if (!(std::abs(value) <= kHighestValue)) FailSize(value, {file.string(), table.lines[i]});
     }
     rows.push_back({x[0], ToBody({x[1], x[2], x[3]}, options.rate_unit_radps, options),
                     ToBody({x[4], x[5], x[6]}, options.force_unit_mps2, options)});
@@ -168,6 +171,11 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& ImuQuantities() {
+  static const std::vector<std::string> quantities{"wx", "wy", "wz", "fx", "fy", "fz"};
+  return quantities;
+}
 
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
   ImuData imu;

@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_model.h>
+#include <dn/imu/unknown_imu.h>
 #include <dn/names.h>
 
 #include <cmath>
@@ -100,6 +101,11 @@ ImuModel ImuPreset(const std::string& name) {
   }
   throw InvalidConfig("imu: there is no grade '" + name + "'; did you mean '" +
                       NearestName(name, ImuPresetNames()) + "'?");
+}
+
+ImuModel UnknownImu() {
+  return MakeModel({kUnknownGrade, 1000.0, 50.0, 300.0, 0.3, 50000.0, 1000.0, 300.0, 300.0,
+                    "start of an estimation from the data"});
 }
 
 GaussMarkovStep DiscretiseGaussMarkov(double sigma, double tau_s, double dt_s) {

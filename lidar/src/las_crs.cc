@@ -1,4 +1,5 @@
 #include <dn/geo/little_endian.h>
+#include <dn/geo/point_crs.h>
 #include <dn/names.h>
 
 #include <algorithm>
@@ -12,32 +13,31 @@ namespace dn::lidar_internal {
 namespace {
 
 constexpr int kGeographicWgs84 = 4326, kGeocentricWgs84 = 4978;
-constexpr std::size_t kMostText = 200;
+constexpr std::size_t kMostText = 200, kLongestWkt = 20000;
 
+/// Returns the name of a zone, 1 to 60.
 std::string Utm(int zone, bool south) {
-  return "utm:" + std::to_string(zone) + (south ? "s" : "n");
-}
-
-/// Returns the name in strips_crs of a system on WGS84, ETRS89 or NAD83 (which differ by less than
-/// 3 m); empty for other systems.
-std::string EpsgName(int epsg) {
-  const int zone = epsg % 100;
-  const auto utm = [&](int first, int from, int to) {
-    return epsg - zone == first && zone >= from && zone <= to;
-  };
-  if (epsg == kGeocentricWgs84 || epsg == 4936) return "ecef";
-  if (utm(32600, 1, 60)) return Utm(zone, false);
-  if (utm(32700, 1, 60)) return Utm(zone, true);
-  if (utm(25800, 28, 38) || utm(26900, 1, 23)) return Utm(zone, false);
-  return {};
+  return ShortCrsName("epsg:" + std::to_string((south ? 32700 : 32600) + zone));
 }
 
 [[noreturn]] void FailUnit(const char* what, const FileLocation& where) {
   throw InvalidInput(
       std::string("the ") + what +
           " of the points are not in metres, by the coordinate system in the header; "
-          "convert them to UTM (in metres) or ECEF",
+          "PROJ does not know the system; convert them to UTM (in metres) or ECEF",
       where);
+}
+
+constexpr double kUnitRounding = 1e-9;
+
+/// Takes what PROJ finds about a system, if it knows the system.
+void TakeName(const NamedCrs& named, StripCrs* crs) {
+  if (named.name.empty()) return;
+  crs->name = named.name;
+  if (named.epsg) crs->epsg = named.epsg;
+  crs->heights_from_geoid = named.heights_from_geoid;
+  crs->why_not = named.why_not;
+  crs->in_metres = named.in_metres;
 }
 
 /// Access to GeoTIFF keys by number, for keys with the value in the directory or in the ASCII
@@ -91,42 +91,88 @@ constexpr std::size_t kModelKey = 1024, kCitationKey = 1026, kGeographicKey = 20
                       kProjectedKey = 3072, kProjectedCitationKey = 3073, kProjectionKey = 3074,
                       kUnitKey = 3076, kVerticalKey = 4096, kVerticalUnitKey = 4099;
 constexpr int kProjectedModel = 1, kGeographicModel = 2, kGeocentricModel = 3;
-constexpr int kMetre = 9001, kUserDefined = 32767;
+constexpr int kMetre = 9001, kFoot = 9002, kSurveyFoot = 9003, kUserDefined = 32767;
 
 std::optional<int> FindEpsg(const GeoKeys& keys, std::size_t key) {
   const std::optional<int> code = keys.Number(key);
   return code && *code >= 1024 && *code != kUserDefined ? code : std::nullopt;
 }
 
-void ReadProjected(const GeoKeys& keys, StripCrs* crs) {
+/// Returns metres per unit of a key; nullopt without the key. Throws InvalidInput for a unit that
+/// is neither metre nor foot.
+std::optional<double> FindUnit(const GeoKeys& keys, std::size_t key, const char* what,
+                               const FileLocation& where) {
+  const int unit = keys.Number(key).value_or(0);
+  if (unit == 0 || unit == kUserDefined) return std::nullopt;
+  if (unit == kFoot) return kFootM;
+  if (unit == kSurveyFoot) return kUsSurveyFootM;
+  if (unit != kMetre) FailUnit(what, where);
+  return 1.0;
+}
+
+std::optional<int> FindVertical(const GeoKeys& keys) {
+  // Vertical codes from 5001 to 5033 are ellipsoids.
+  const std::optional<int> code = FindEpsg(keys, kVerticalKey);
+  return code && *code >= 5001 && *code <= 5033 ? std::nullopt : code;
+}
+
+/// Reads a projected system, which PROJ names if it has a code.
+void ReadProjected(const GeoKeys& keys, const FileLocation& where, StripCrs* crs) {
+  const std::optional<double> unit_m = FindUnit(keys, kUnitKey, "coordinates", where),
+                              height_m = FindUnit(keys, kVerticalUnitKey, "heights", where);
   crs->epsg = FindEpsg(keys, kProjectedKey);
   if (crs->epsg) {
-    crs->name = EpsgName(*crs->epsg);
-    return;
+    const std::string horizontal = "EPSG:" + std::to_string(*crs->epsg);
+    const double own_m = CrsUnitM(horizontal).value_or(1.0);
+    if (unit_m && std::abs(*unit_m - own_m) > kUnitRounding) FailUnit("coordinates", where);
+    const std::optional<int> vertical = FindVertical(keys);
+    TakeName(NameCrs(horizontal + (vertical ? "+" + std::to_string(*vertical) : ""), height_m),
+             crs);
+    if (!crs->name.empty() || !height_m || *height_m == 1.0) return;
+    FailUnit("heights", where);
   }
+  if (unit_m.value_or(1.0) != 1.0) FailUnit("coordinates", where);
+  if (height_m.value_or(1.0) != 1.0) FailUnit("heights", where);
   // A projection without a coordinate system: 160zz is UTM north and 161zz is UTM south.
   const int projection = keys.Number(kProjectionKey).value_or(0);
   const int zone = projection % 100;
   if (projection / 200 == 80 && zone >= 1 && zone <= 60) crs->name = Utm(zone, projection >= 16100);
 }
 
-void CheckUnit(const GeoKeys& keys, std::size_t key, const char* what, const FileLocation& where) {
-  const std::optional<int> unit = keys.Number(key);
-  if (unit && *unit != kMetre && *unit != kUserDefined && *unit != 0) FailUnit(what, where);
+/// Returns whether a vertical coordinate system of EPSG has heights in feet.
+bool IsInFeet(int vertical) {
+  const std::string any_horizontal = "EPSG:32632+";
+  return !NameCrs(any_horizontal + std::to_string(vertical)).in_metres;
 }
 
-/// Reads well-known text and returns EPSG code, unit and name of its outermost horizontal system.
+/// Reads the vertical system of the keys; returns whether heights refer to a geoid. Throws
+/// InvalidInput for heights in feet.
+bool ReadVertical(const GeoKeys& keys, const FileLocation& where) {
+  const std::optional<int> vertical = FindVertical(keys);
+  const double unit_m = FindUnit(keys, kVerticalUnitKey, "heights", where).value_or(1.0);
+  if (unit_m != 1.0 || (vertical && IsInFeet(*vertical))) FailUnit("heights", where);
+  return vertical.has_value();
+}
+
+/// Reads well-known text, which need not be complete, and returns EPSG code and name of its
+/// outermost horizontal system.
 class WktReader {
  public:
-  WktReader(std::string_view text, const FileLocation& where) : text_(text), where_(where) {}
+  explicit WktReader(std::string_view text) : text_(text) {}
 
   StripCrs Read() {
     for (std::size_t at = 0; at < text_.size();) at = Step(at);
     crs_.text = WithoutControls(text_.substr(0, kMostText));
-    if (crs_.epsg) crs_.name = EpsgName(*crs_.epsg);
+    if (crs_.epsg) {
+      const std::string code = "epsg:" + std::to_string(*crs_.epsg), name = ShortCrsName(code);
+      if (name != code) crs_.name = name;
+    }
     if (crs_.name.empty()) crs_.name = TitleToName();
     return crs_;
   }
+
+  /// Returns what is not in metres: "coordinates" or "heights"; null if all is.
+  const char* not_in_metres() const { return not_in_metres_; }
 
  private:
   struct Node {
@@ -142,7 +188,8 @@ class WktReader {
   }
 
   static bool IsVertical(const std::string& keyword) {
-    return keyword == "VERT_CS" || keyword == "VERTCRS" || keyword == "VERTICALCRS";
+    return keyword == "VERT_CS" || keyword == "VERTCS" || keyword == "VERTCRS" ||
+           keyword == "VERTICALCRS";
   }
 
   /// Reads one token at position `at` and returns the position after it.
@@ -189,11 +236,11 @@ class WktReader {
     if (node.keyword == "AUTHORITY" || node.keyword == "ID") ReadCode(node);
   }
 
-  void ExpectMetres(const Node& unit, const char* what) const {
+  void ExpectMetres(const Node& unit, const char* what) {
     double factor = 0.0;
     const std::string& text = unit.values[1];
     const auto result = std::from_chars(text.data(), text.data() + text.size(), factor);
-    if (result.ec == std::errc() && std::abs(factor - 1.0) > 1e-9) FailUnit(what, where_);
+    if (result.ec == std::errc() && std::abs(factor - 1.0) > kUnitRounding) not_in_metres_ = what;
   }
 
   void ReadCode(const Node& node) {
@@ -218,8 +265,8 @@ class WktReader {
   }
 
   std::string_view text_;
-  FileLocation where_;
   StripCrs crs_;
+  const char* not_in_metres_ = nullptr;
   std::string word_;
   std::string title_;
   std::vector<Node> nodes_;
@@ -236,8 +283,8 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
   if (crs.text.empty()) crs.text = keys.Text(kCitationKey);
   const int model = keys.Number(kModelKey).value_or(0);
   if (model == kProjectedModel) {
-    ReadProjected(keys, &crs);
-    CheckUnit(keys, kUnitKey, "coordinates", where);
+    ReadProjected(keys, where, &crs);
+    if (!crs.name.empty() && crs.epsg) return crs;
   } else if (model == kGeographicModel) {
     crs.epsg = FindEpsg(keys, kGeographicKey);
   } else if (model == kGeocentricModel) {
@@ -245,16 +292,23 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
     if (datum == kGeographicWgs84 || datum == kGeocentricWgs84) crs.epsg = kGeocentricWgs84;
     crs.name = "ecef";
   }
-  CheckUnit(keys, kVerticalUnitKey, "heights", where);
-  // Vertical codes from 5001 to 5033 are ellipsoids.
-  const int vertical = keys.Number(kVerticalKey).value_or(0);
-  crs.heights_from_geoid =
-      vertical >= 1024 && vertical != kUserDefined && !(vertical >= 5001 && vertical <= 5033);
+  crs.heights_from_geoid = ReadVertical(keys, where);
   return crs;
 }
 
 StripCrs ParseWkt(std::string_view text, const FileLocation& where) {
-  return WktReader(text, where).Read();
+  WktReader reader(text);
+  StripCrs crs = reader.Read();
+  const NamedCrs named = text.size() <= kLongestWkt ? NameCrs(std::string(text)) : NamedCrs();
+  const bool converted = !named.name.empty() && !named.in_metres;
+  if (reader.not_in_metres() != nullptr && !converted) FailUnit(reader.not_in_metres(), where);
+  TakeName(named, &crs);
+  return crs;
+}
+
+bool ParseVerticalKeys(std::string_view directory, std::string_view ascii,
+                       const FileLocation& where) {
+  return ReadVertical(GeoKeys(directory, ascii, where), where);
 }
 
 }  // namespace dn::lidar_internal

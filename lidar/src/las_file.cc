@@ -72,9 +72,8 @@ class LasFileReader {
     return bytes;
   }
 
-  std::size_t LeastHeaderBytes() const {
-    return las_.minor == 2 ? 227 : las_.minor == 3 ? 235 : 375;
-  }
+  // Some programs write version 1.3 with the shorter header of the versions before.
+  std::size_t LeastHeaderBytes() const { return las_.minor < 4 ? 227 : 375; }
 
   void ReadHead() {
     constexpr std::uint64_t kThroughOffset = 105;
@@ -88,7 +87,7 @@ class LasFileReader {
     }
     const int major = Number<std::uint8_t>(las::kVersionAt);
     las_.minor = Number<std::uint8_t>(las::kVersionAt + 1);
-    if (major != 1 || las_.minor < 2 || las_.minor > 4) {
+    if (major != 1 || las_.minor > 4) {
       Fail("version " + std::to_string(major) + "." + std::to_string(las_.minor) +
            " (byte 24) is not supported; convert the file to LAS 1.4");
     }
@@ -117,7 +116,7 @@ class LasFileReader {
     says_compressed_ = (format & las::kCompressedBit) != 0;
     format &= static_cast<std::uint8_t>(~las::kCompressedBit);
     las_.head[las::kFormatAt] = static_cast<char>(format);
-    const int most = las_.minor == 2 ? 3 : las_.minor == 3 ? 5 : 10;
+    const int most = las_.minor < 3 ? 3 : las_.minor == 3 ? 5 : 10;
     if (format > most) {
       Fail("point format " + std::to_string(format) + " (byte 104) is not supported: version 1." +
            std::to_string(las_.minor) + " allows 0 to " + std::to_string(most));
@@ -135,7 +134,8 @@ class LasFileReader {
     } else if (format != 0 && format != 2) {
       las_.time_at = 20;
     }
-    las_.adjusted_time = (Number<std::uint16_t>(las::kEncodingAt) & 1) != 0;
+    // These bytes have no meaning before version 1.2.
+    las_.adjusted_time = las_.minor >= 2 && (Number<std::uint16_t>(las::kEncodingAt) & 1) != 0;
     las_.described_bytes = kFormatBytes[format];
   }
 
@@ -292,7 +292,7 @@ class LasFileReader {
       ReadEvlrs();
       return;
     }
-    if (las_.minor >= 3) {
+    if (las_.has_waveform_field()) {
       const auto waveform = Number<std::uint64_t>(las::kWaveformAt);
       if (waveform != 0 && (waveform < tail || waveform > las_.file_bytes)) {
         Fail("the waveforms begin (byte 227) at byte " + std::to_string(waveform) +
@@ -373,6 +373,12 @@ class LasFileReader {
     }
     if (!wkt.empty()) {
       las_.crs = ParseWkt(wkt.substr(0, wkt.find('\0')), where_);
+      // Text of a horizontal system alone leaves the heights to the keys.
+      const bool has_vertical =
+          las_.crs.heights_from_geoid || las_.crs.name.find('+') != std::string::npos;
+      if (!has_vertical && !directory.empty()) {
+        las_.crs.heights_from_geoid = ParseVerticalKeys(directory, ascii, where_);
+      }
     } else if (!directory.empty()) {
       las_.crs = ParseGeoTiff(directory, ascii, where_);
     }
@@ -407,6 +413,11 @@ std::uint8_t PointClass(const LasFile& las, const char* record) {
   constexpr std::uint8_t kWithoutFlags = 0x1f;
   if (las.format >= 6) return static_cast<std::uint8_t>(record[las::kClassAt]);
   return static_cast<std::uint8_t>(record[las::kLegacyClassAt]) & kWithoutFlags;
+}
+
+std::uint8_t PointFlags(const LasFile& las, const char* record) {
+  const auto byte = static_cast<std::uint8_t>(record[las::kLegacyClassAt]);
+  return static_cast<std::uint8_t>(las.format >= 6 ? byte & 15 : byte >> 5);
 }
 
 LasFile ReadLasFile(const fs::path& file) { return LasFileReader(file).Read(); }

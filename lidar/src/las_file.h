@@ -85,6 +85,8 @@ struct LasFile {
   StripCrs crs;
   std::optional<Eigen::Vector3d> boresight_rad;  ///< recorded by a writer of this program
 
+  /// Returns whether the header says where the waveforms begin.
+  bool has_waveform_field() const { return minor >= 3 && header_bytes >= las::kEvlrAt; }
   std::uint64_t points_begin = 0;  ///< position of the points in the file
   std::optional<laz::CompressedPoints> compressed;
   std::uint64_t tail_begin = 0;  ///< position of the waveforms and extended records
@@ -107,6 +109,9 @@ std::uint8_t ReturnsAfter(const LasFile& las, const char* record);
 
 /// Returns the class of a record, without its flags.
 std::uint8_t PointClass(const LasFile& las, const char* record);
+
+/// Returns the flags of a record, as StripCloud::flags has them.
+std::uint8_t PointFlags(const LasFile& las, const char* record);
 
 /// Reads and checks everything but the points. Throws InvalidInput as OpenStrip does.
 LasFile ReadLasFile(const std::filesystem::path& file);
@@ -142,5 +147,9 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
 /// Parses well-known text of the version of 2001 or 2019. Throws InvalidInput at `where` for units
 /// other than metres.
 StripCrs ParseWkt(std::string_view text, const FileLocation& where);
+
+/// Returns whether GeoTIFF keys say that heights refer to a geoid. Throws as ParseGeoTiff does.
+bool ParseVerticalKeys(std::string_view directory, std::string_view ascii,
+                       const FileLocation& where);
 
 }  // namespace dn::lidar_internal

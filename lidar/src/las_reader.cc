@@ -88,6 +88,7 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
   chunk->source.push_back(LoadLittleEndian<std::uint16_t>(record + las_.source_at));
   chunk->returns_after.push_back(ReturnsAfter(las_, record));
   chunk->classification.push_back(PointClass(las_, record));
+  chunk->flags.push_back(PointFlags(las_, record));
   if (las_.time_at) chunk->t_s.push_back(Time(index, record));
   if (!has_vectors()) return;
   const Eigen::Vector3d u_s(BlockValue(*vector_[0], record), BlockValue(*vector_[1], record),

@@ -286,7 +286,7 @@ void LasWriter::MoveTail(std::uint64_t tail_at) {
     const auto begin = LoadLittleEndian<std::uint64_t>(head_.data() + at);
     if (begin >= las_.tail_begin) Store(at, begin - las_.tail_begin + tail_at);
   };
-  if (las_.minor >= 3) move(las::kWaveformAt);
+  if (las_.has_waveform_field()) move(las::kWaveformAt);
   if (las_.minor >= 4) move(las::kEvlrAt);
 }
 

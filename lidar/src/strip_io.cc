@@ -1,8 +1,6 @@
 #include <dn/error.h>
+#include <dn/geo/read_file.h>
 #include <dn/lidar/strip_io.h>
-
-#include <algorithm>
-#include <cctype>
 
 #include "las_reader.h"
 #include "strip_text.h"
@@ -10,14 +8,13 @@
 namespace dn {
 
 std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending == ".txt") return std::make_unique<lidar_internal::StripTextReader>(file);
-  if (ending == ".las" || ending == ".laz")
-    return std::make_unique<lidar_internal::LasReader>(file);
-  throw InvalidInput("strips must be .las, .laz or .txt files, not '" + ending + "'",
-                     FileLocation{file.string()});
+  constexpr std::size_t kSampleBytes = 4096;
+  const std::string beginning = ReadBeginning(file, kSampleBytes);
+  if (beginning.starts_with("LASF")) return std::make_unique<lidar_internal::LasReader>(file);
+  if (!IsBinary(beginning)) return std::make_unique<lidar_internal::StripTextReader>(file);
+  throw InvalidInput(
+      "strips must be LAS or LAZ, or text of t, x, y, z, ux, uy, uz; this is neither",
+      FileLocation{file.string()});
 }
 
 }  // namespace dn

@@ -29,6 +29,18 @@ void Join(const StripCounts& file, StripCounts* all) {
   for (const auto& [reason, count] : file.dropped) all->dropped[reason] += count;
 }
 
+/// Throws InvalidInput if the points are not in metres. Without a trajectory, no coordinate system
+/// converts them.
+void ExpectMetres(const MatchStrip& strip) {
+  for (const fs::path& file : strip.files) {
+    if (OpenStrip(file)->crs().in_metres) continue;
+    throw InvalidInput(
+        "the points are in feet, by the coordinate system in the header; match them as strips of a "
+        "flight with a trajectory, or convert them to metres",
+        {file.string()});
+  }
+}
+
 }  // namespace
 
 std::vector<MatchStrip> FindMatchStrips(const std::vector<fs::path>& files) {
@@ -93,6 +105,7 @@ BareMatchSource::BareMatchSource(std::vector<MatchStrip> strips, PointFilter fil
     : strips_(std::move(strips)),
       filter_(std::move(filter)),
       shifts_m_(strips_.size(), Vector3d::Zero()) {
+  for (const MatchStrip& strip : strips_) ExpectMetres(strip);
   StripCloud points;
   if (!strips_.empty() && OpenStrip(strips_.front().files.front())->Next(&points)) {
     origin_c_m_ = points.p_c.front().array().round();

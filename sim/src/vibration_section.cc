@@ -37,7 +37,7 @@ double ReadFrequency(const YamlValue& value) { return ReadBetween(value, kLowest
 /// Reads the rms of each axis; one number applies to all axes.
 Eigen::Vector3d ReadRms(const YamlValue& value, double most) {
   if (!value) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d rms =
+  Eigen::Vector3d rms =
       value.IsScalar() ? Eigen::Vector3d::Constant(value.Number()).eval() : ReadVector3(value);
   if (rms.minCoeff() < 0.0 || rms.maxCoeff() > most) {
     value.Fail("must lie between 0 and " + FormatDouble(most));
@@ -75,8 +75,8 @@ VibrationResonance ReadResonance(const YamlValue& part) {
 
 VibrationBand ReadBand(const YamlValue& part) {
   part.ExpectMap({"low_hz", "high_hz", "accel_m_s2", "angle_urad"});
-  const VibrationBand band{ReadFrequency(part["low_hz"]), ReadFrequency(part["high_hz"]),
-                           ReadLevel(part)};
+  VibrationBand band{ReadFrequency(part["low_hz"]), ReadFrequency(part["high_hz"]),
+                     ReadLevel(part)};
   if (!(band.high_hz > band.low_hz)) part["high_hz"].Fail("must be higher than low_hz");
   return band;
 }

@@ -452,6 +452,35 @@ double SizeAveragedEvidence::LogEvidence(const Eigen::VectorXd& s) const {
   return sum.Value();
 }
 
+LinearMoments SizeAveragedEvidence::Moments(const Eigen::VectorXd& s,
+                                            const Eigen::MatrixXd& F) const {
+  const Eigen::VectorXd c = W_.transpose() * s;
+  const Eigen::MatrixXd FW = F * W_;
+  const double log_evidence = LogEvidence(s);
+  // They are normalised, because huge evidences have rounding errors.
+  Eigen::Matrix<double, SizePrior::kSizes, 1> weights;
+  for (std::size_t g = 0; g < SizePrior::kSizes; ++g) {
+    weights[static_cast<Eigen::Index>(g)] =
+        SizePrior::kProbability[g] * std::exp(LogEvidence(s, PriorVariance(g)) - log_evidence);
+  }
+  weights /= weights.sum();
+  std::array<Eigen::VectorXd, SizePrior::kSizes> means;
+  LinearMoments out{Eigen::VectorXd::Zero(F.rows()), Eigen::MatrixXd::Zero(F.rows(), F.rows())};
+  for (std::size_t g = 0; g < means.size(); ++g) {
+    const double v = PriorVariance(g), weight = weights[static_cast<Eigen::Index>(g)];
+    const Eigen::VectorXd gain = v / (1.0 + v * d_.array());
+    means[g] = -FW * gain.cwiseProduct(c);
+    out.mean += weight * means[g];
+    out.covariance += weight * (FW * gain.asDiagonal() * FW.transpose());
+  }
+  // The spread is summed about the mean, which may be large relative to it.
+  for (std::size_t g = 0; g < means.size(); ++g) {
+    const Eigen::VectorXd off = means[g] - out.mean;
+    out.covariance += weights[static_cast<Eigen::Index>(g)] * (off * off.transpose());
+  }
+  return out;
+}
+
 Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const EffectModel& effect,
                                const Eigen::MatrixXd& R) {
   const Eigen::Index q = effect.empty() ? 0 : effect.front().L.cols();

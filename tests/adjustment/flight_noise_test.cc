@@ -29,7 +29,8 @@ TEST_P(FlightNoise, SmoothedAttitudeIsThatOfTheGrade) {
     AdjustOptions without_lidar;
     without_lidar.with_pairs = false;
     const Adjustment adjustment = Adjust(sim.flight, without_lidar);
-    const Json rmse = ReferenceErrorsJson(*adjustment.network)["roll_pitch_heading_rmse_deg"];
+    const Json rmse = ReferenceErrorsJson(
+        sim.flight, adjustment.network->trajectory().NodePoses())["roll_pitch_heading_rmse_deg"];
     for (int i = 0; i < 3; ++i) {
       mean2[i] += std::pow(rmse[static_cast<std::size_t>(i)].get<double>(), 2) / kSeeds;
     }

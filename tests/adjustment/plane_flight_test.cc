@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 
+#include "testing/only_effect.h"
 #include "testing/short_flights.h"
 #include "testing/strip_planes.h"
 
@@ -125,20 +126,10 @@ TEST(PlaneFlight, ResultFileHasTheKeysOfAllMethods) {
   EXPECT_LT(offset["sigma"][0].get<double>(), 0.1);
 }
 
-/// Returns the prior of the range offset alone.
-UnmodelledConfig OnlyRangeOffset(double sigma_m) {
-  UnmodelledConfig config;
-  for (const EffectSpec& effect : EffectTable()) {
-    if (!effect.fixed()) continue;
-    config.sizes.push_back({effect.id, {effect.name == "lidar_range_offset" ? sigma_m : 0.0}});
-  }
-  return config;
-}
-
 TEST(PlaneFlight, TheCovarianceContainsTheShiftByUnmodelledEffects) {
   constexpr double kOffsetM = 0.002;
   PlaneFlight clean, wrong;
-  wrong.flight.config.unmodelled = OnlyRangeOffset(kOffsetM);
+  wrong.flight.config.unmodelled = testing::OnlyEffect(EffectId::kLidarRangeOffset, kOffsetM);
   const PlaneCalibration exact = CalibratePlanes(clean.flight, clean.Planes(40, 0.6));
   PlaneCalibration result = CalibratePlanes(wrong.flight, wrong.Planes(40, 0.6, false, kOffsetM));
   const Vector3d shift = result.boresight.angles_rad - exact.boresight.angles_rad;
@@ -154,7 +145,7 @@ TEST(PlaneFlight, TheCovarianceContainsTheShiftByUnmodelledEffects) {
 
 TEST(PlaneFlight, AnEstimatedRangeOffsetIsNotUnmodelled) {
   PlaneFlight test;
-  test.flight.config.unmodelled = OnlyRangeOffset(0.05);
+  test.flight.config.unmodelled = testing::OnlyEffect(EffectId::kLidarRangeOffset, 0.05);
   test.flight.config.estimate.push_back({.unknown = "lidar_range_offset", .sigma = {0.5}});
   PlaneCalibration result = CalibratePlanes(test.flight, test.Planes(40, 0.6));
   EXPECT_FALSE(AssessModel(test.flight, &result).unmodelled);

@@ -56,6 +56,46 @@ TEST(CliAllan, ItsNoiseGoesIntoAFlightAsItIs) {
   EXPECT_TRUE(config.imu->model.gyro.processes.empty());
 }
 
+// The same record with other units, accelerations first and time in microseconds.
+TEST(CliAllan, TakesUnitsAndColumns) {
+  const TempFolder folder;
+  const std::string record = StaticRecord(600);
+  folder.Write("IMU.txt", record);
+  std::string other = "time (us),acc x,acc y,acc z,gyr x,gyr y,gyr z\n";
+  double t = 0.0, w[3], f[3];
+  for (std::size_t at = 0; at < record.size(); at = record.find('\n', at) + 1) {
+    ASSERT_EQ(std::sscanf(record.c_str() + at, "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, &w[0], &w[1],
+                          &w[2], &f[0], &f[1], &f[2]),
+              7);
+    char row[200];
+    constexpr double kDeg = 180.0 / std::numbers::pi, kG = 9.80665;
+    std::snprintf(row, sizeof row, "%.0f,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g\n", 1e6 * t, f[0] / kG,
+                  f[1] / kG, f[2] / kG, kDeg * w[0], kDeg * w[1], kDeg * w[2]);
+    other += row;
+  }
+  folder.Write("other.csv", other);
+  const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"allan", (folder.path() / name).string(), "--rate", "50",
+                                       "--out", (folder.path() / "out").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(arguments);
+  };
+  const auto white = [&](const char* sensor) {
+    const Json json = Json::parse(FileContent(folder.path() / "out/allan.json"));
+    return json[sensor]["model"]["white"]["value"].get<double>();
+  };
+  ASSERT_EQ(run("IMU.txt", {}).exit_code, 0);
+  const double gyro = white("gyro"), accel = white("accel");
+  const ProgramRun units = run("other.csv", {"--rate-unit", "deg/s", "--force-unit", "g",
+                                             "--columns", "t_us,fx,fy,fz,wx,wy,wz"});
+  ASSERT_EQ(units.exit_code, 0) << units.err;
+  EXPECT_NEAR(white("gyro"), gyro, 1e-5 * gyro);
+  EXPECT_NEAR(white("accel"), accel, 1e-5 * accel);
+  EXPECT_EQ(run("IMU.txt", {"--rate-unit", "rpm"}).exit_code, 2);
+  EXPECT_EQ(run("IMU.txt", {"--columns", "t,ax"}).exit_code, 2);
+  EXPECT_EQ(run("other.csv", {"--rate-unit", "deg/s"}).exit_code, 1);
+}
+
 TEST(CliAllan, BadRecordsAreRefused) {
   const TempFolder folder;
   folder.Write("IMU.txt", StaticRecord(600));

@@ -35,6 +35,18 @@ TEST(CliGap, ScreensEveryEffectThatItMay) {
   for (const std::string& effect : screened) EXPECT_NE(FindEffect(effect), nullptr) << effect;
 }
 
+TEST(CliGap, AveragesTheBoresightOverAllHypotheses) {
+  const Json gap = Json::parse(FileContent(GapResult() / "gap.json"));
+  EXPECT_EQ(gap["outside"]["prior"], 0.2);
+  const Json& averaged = gap["boresight_averaged"];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double sigma = averaged["sigma_deg"][k];
+    EXPECT_GT(sigma, 0.0);
+    EXPECT_NEAR(averaged["covariance_deg2"][k][k].get<double>(), sigma * sigma, 1e-12);
+    EXPECT_TRUE(averaged["angles_deg"][k].is_number());
+  }
+}
+
 TEST(CliGap, TheAdaptedFlightCalibratesFromWhereItLiesAndFromTheFlightFolder) {
   const TempFolder folder;
   const std::string adapted = (GapResult() / "flight.adapted.yaml").string();
@@ -88,6 +100,8 @@ TEST(CliGap, RefusesWhatContradictsItself) {
   ExpectWrongUsage({"--quick", "--screen-only"}, "--screen-only");
   ExpectWrongUsage({"--alpha", "0"}, "--alpha");
   ExpectWrongUsage({"--alpha", "1.5"}, "alpha");
+  ExpectWrongUsage({"--outside", "1"}, "--outside");
+  ExpectWrongUsage({"--outside", "-0.1"}, "--outside");
   ExpectWrongUsage({"--effects", "gnss_lever_arm,moonlight"}, "moonlight");
   ExpectWrongUsage({"--without", "moonlight"}, "moonlight");
 }

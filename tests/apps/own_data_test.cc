@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <sstream>
 
 #include "damaged_flight.h"
+#include "load_json.h"
 
 namespace dn::testing::apps_test {
 
@@ -265,6 +267,43 @@ TEST(CliInit, AGridWithoutAZoneIsNoFlightYet) {
   EXPECT_THAT(check.err, AllOf(HasSubstr("flight.yaml:"), HasSubstr("utm:ZONEn")));
 }
 
+TEST(CliInit, AnOddFileDoesNotStopTheRest) {
+  const RawFolder raw;
+  const std::string folder = raw.path();
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(fs::path(folder) / name) << text;
+  };
+  write("a.nmea", "$GPGGA,094942.00,4630.0,N,00630.0,E,4,12,0.8,450.0,M,50.0,M,1.0,0001\n");
+  write("b.pos", "%  GPST  latitude(deg) longitude(deg)  height(m)\n2280 381000.0 46.5 nan 500\n");
+  write("c.log", "$VNIMU,-02.1,+00.4,+01.3*5F\n");
+  write("d.csv", "time,note\n");
+  const ProgramRun init = RunProgram({"init", folder});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  for (const char* name : {"a.nmea", "b.pos", "c.log", "d.csv"}) {
+    EXPECT_THAT(init.out, HasSubstr(std::string("note     ") + name)) << init.out;
+  }
+  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("\"GPS.txt\""), HasSubstr("\"IMU.txt\"")));
+  EXPECT_EQ(RunProgram({"check", folder}).exit_code, 0);
+}
+
+// A log with a header, acceleration first, in other units, with a clock in milliseconds.
+TEST(CliInit, NamesTheColumnsOfALog) {
+  const RawFolder raw([](const DamagedFlight& flight) {
+    EachRow(flight, "IMU.txt", [](std::size_t, Row* row) {
+      const Row r = *row;
+      *row = {1e3 * r[0], r[4], r[5], r[6], r[1], r[2], r[3], 22, 5, -43};
+    });
+    flight.Write("IMU.txt", "Time_ms,AccX,AccY,AccZ,GyroX,GyroY,GyroZ,MagX,MagY,MagZ\n" +
+                                flight.Read("IMU.txt"));
+  });
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(raw.Yaml(), HasSubstr("columns: [t_ms, fx, fy, fz, wx, wy, wz]"));
+  const ProgramRun check = RunProgram({"check", raw.path()});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, Not(HasSubstr("look at")));
+}
+
 TEST(CliInit, LeavesAFlightYamlAsItIs) {
   const RawFolder raw;
   EXPECT_EQ(RunProgram({"init", raw.path()}).exit_code, 0);
@@ -280,6 +319,31 @@ TEST(CliInit, AFolderWithoutDataIsRefused) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("no file in"));
   EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
+}
+
+TEST(OwnData, NoiseWithoutADataSheetIsEstimatedAndListed) {
+  const DamagedFlight flight;
+  const ProgramRun smooth = flight.Run("smooth", {"--set", "imu.grade=unknown"});
+  EXPECT_EQ(smooth.exit_code, 0) << smooth.err;
+  EXPECT_THAT(smooth.out, HasSubstr("noise estimated from the data"));
+  const Json noise = LoadJson(flight.out() / "smooth.json")["noise"];
+  ASSERT_GE(noise.size(), 4u);
+  EXPECT_EQ(noise[0]["name"], "imu.gyro.white");
+  EXPECT_GT(noise[0]["sigma"].get<double>(), 0.0);
+  EXPECT_TRUE(LoadJson(SmoothResult() / "smooth.json")["noise"].is_null());
+}
+
+TEST(OwnData, ADesignNeedsFiguresOfTheNoise) {
+  const DamagedFlight flight;
+  flight.Replace("flight.yaml", "grade: \"airins\"", "grade: unknown");
+  EXPECT_EQ(flight.Run("study", {"--no-remedies", "--no-limits"}).exit_code, 0);
+  std::string text = flight.Read("flight.yaml");
+  const std::size_t figures = text.find("  gyro:\n");
+  text.erase(figures, text.find("  vibration:") - figures);
+  flight.Write("flight.yaml", text);
+  const ProgramRun without = flight.Run("study");
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("imu.gyro and imu.accel"));
 }
 
 }  // namespace dn::testing::apps_test

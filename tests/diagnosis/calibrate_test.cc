@@ -327,7 +327,7 @@ TEST_P(Results, FilesContainTheEstimates) {
   const std::string sigmas = FormatTrajectorySigma(trajectory_.sigma);
   EXPECT_EQ(std::count(sigmas.begin(), sigmas.end(), '\n'),
             static_cast<long>(network().nodes().size()) + 1);
-  const Json errors = ReferenceErrorsJson(network());
+  const Json errors = ReferenceErrorsJson(network().flight(), network().trajectory().NodePoses());
   EXPECT_LT(errors["position_enu_rmse_m"][0].get<double>(), 0.05);
   EXPECT_GT(errors["nodes"].get<std::size_t>(), network().nodes().size() / 2);
 }

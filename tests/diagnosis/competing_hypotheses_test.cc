@@ -19,6 +19,13 @@ HypothesisEvidence WithEvidence(const std::string& name, double nats, bool physi
   return effect;
 }
 
+constexpr HypothesisPrior kPrior{.outside = 0.2, .unseen_nats = 5.0};
+
+CompetingHypotheses Competing(const std::string& effect,
+                              const std::vector<HypothesisEvidence>& competing) {
+  return MakeCompetingHypotheses(effect, competing, kPrior);
+}
+
 GapCause Cause(const std::string& effect) {
   GapCause cause;
   cause.effect = effect;
@@ -31,73 +38,56 @@ std::vector<std::string> Names(const std::vector<GapCause>& causes) {
   return names;
 }
 
-TEST(Posterior, IsBayes) {
-  const std::vector<double> p = Posterior({WithEvidence("a", std::log(8.0)), WithEvidence("b", 0.0),
-                                           WithEvidence("c", std::log(2.0), false)});
-  // Weights: 0.5 for no effect, 0.2 x 8 for a, 0.2 for b, 0.1 x 2 for c.
-  constexpr double kSum = 0.5 + 1.6 + 0.2 + 0.2;
-  EXPECT_NEAR(p[0], 1.6 / kSum, 1e-12);
-  EXPECT_NEAR(p[1], 0.2 / kSum, 1e-12);
-  EXPECT_NEAR(p[2], 0.2 / kSum, 1e-12);
-}
-
-TEST(Posterior, OfHugeEvidenceIsOne) {
-  const std::vector<double> p = Posterior({WithEvidence("a", 5000.0), WithEvidence("b", 4900.0)});
-  EXPECT_NEAR(p[0], 1.0, 1e-12);
-  EXPECT_LT(p[1], 1e-40);
-}
-
 TEST(FillCauses, PutsTheNamedFirstAndWhatHasNoNameApart) {
   const std::vector<HypothesisEvidence> screened{WithEvidence("b", 30.0), WithEvidence("a", 29.0),
                                                  WithEvidence("strips", 20.0, false),
                                                  WithEvidence("c", 0.0)};
-  const std::vector<CompetingHypotheses> slots{MakeCompetingHypotheses(
-      "a", {WithEvidence("a", 25.0), WithEvidence("d", 24.5), WithEvidence("c", 0.0)})};
+  const std::vector<CompetingHypotheses> slots{
+      Competing("a", {WithEvidence("a", 25.0), WithEvidence("d", 24.5), WithEvidence("c", 0.0)})};
   GapDiagnosis diagnosis;
   FillCauses(screened, slots, {Cause("a")}, &diagnosis);
   EXPECT_THAT(Names(diagnosis.causes), ElementsAre("a", "b", "c"));
   ASSERT_EQ(diagnosis.discrepancies.size(), 1u);
   EXPECT_EQ(diagnosis.discrepancies[0].name, "strips");
   EXPECT_EQ(diagnosis.causes[0].log_evidence, 25.0);
-  EXPECT_NEAR(diagnosis.causes[0].posterior, 1.0 / (1.0 + std::exp(-0.5)), 1e-6);
+  EXPECT_EQ(diagnosis.causes[0].posterior, slots[0].posterior.own[0]);
+  EXPECT_NEAR(diagnosis.outside_posterior, slots[0].posterior.outside, 1e-12);
   EXPECT_THAT(diagnosis.causes[0].inseparable_from, ElementsAre("d"));
 }
 
 TEST(FillCauses, AddsTheProbabilitiesOfAllSlots) {
   const std::vector<HypothesisEvidence> screened{WithEvidence("a", 9.0), WithEvidence("b", 9.0)};
-  const std::vector<CompetingHypotheses> slots{MakeCompetingHypotheses("x", screened),
-                                               MakeCompetingHypotheses("y", screened)};
+  const std::vector<CompetingHypotheses> slots{Competing("x", screened), Competing("y", screened)};
   GapDiagnosis diagnosis;
   FillCauses(screened, slots, {}, &diagnosis);
-  const double one = slots[0].posterior[0];
+  const double one = slots[0].posterior.own[0];
   EXPECT_NEAR(diagnosis.causes[0].posterior, 1.0 - (1.0 - one) * (1.0 - one), 1e-12);
 }
 
-TEST(ScaleToObservedRates, LeavesRoomForWhatTheTableLacks) {
-  const auto allowed = [](const GapVerdict& verdict) {
-    std::vector<GapCause> causes{Cause("a"), Cause("b")};
-    causes[0].posterior = 1.0;
-    causes[1].posterior = 0.2;
-    ScaleToObservedRates(verdict, &causes);
-    EXPECT_DOUBLE_EQ(causes[1].posterior, 0.2 * causes[0].posterior);
-    return causes[0].posterior;
+TEST(SetProbabilities, LeavesRoomForWhatTheTableLacks) {
+  const auto causes = [](double rest_nats) {
+    HypothesisPrior prior = kPrior;
+    prior.rest_nats = rest_nats;
+    GapDiagnosis diagnosis;
+    FillCauses(
+        {WithEvidence("a", 60.0)},
+        {MakeCompetingHypotheses("a", {WithEvidence("a", 60.0), WithEvidence("b", 58.0)}, prior)},
+        {Cause("a")}, &diagnosis);
+    return diagnosis;
   };
-  GapVerdict named;
-  named.effects = {"a"};
-  GapVerdict with_rest = named;
-  with_rest.unknown = true;
-  EXPECT_EQ(allowed(GapVerdict{}), 1.0) << "there is no gap";
-  EXPECT_LT(allowed(named), 1.0);
-  EXPECT_GT(allowed(named), 0.9);
-  EXPECT_LT(allowed(with_rest), 0.7);
+  const GapDiagnosis alone = causes(0.0), with_rest = causes(20.0);
+  EXPECT_NEAR(alone.causes[0].posterior, 0.87, 0.01);
+  EXPECT_NEAR(alone.outside_posterior, 0.015, 0.01);
+  EXPECT_LT(with_rest.causes[0].posterior, 0.55);
+  EXPECT_GT(with_rest.outside_posterior, 0.999) << "the rest is not in the library";
 }
 
 class Decided : public ::testing::Test {
  protected:
   const std::vector<CompetingHypotheses> clear_{
-      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), WithEvidence("b", 0.0)})};
+      Competing("a", {WithEvidence("a", 30.0), WithEvidence("b", 0.0)})};
   const std::vector<CompetingHypotheses> tied_{
-      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), WithEvidence("b", 30.0)})};
+      Competing("a", {WithEvidence("a", 30.0), WithEvidence("b", 30.0)})};
 };
 
 TEST_F(Decided, NamesWhatExplainsTheGap) {
@@ -133,7 +123,7 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   HypothesisEvidence strips = WithEvidence("strips", 33.0);
   strips.id.reset();
   const std::vector<CompetingHypotheses> doubtful{
-      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), strips})};
+      Competing("a", {WithEvidence("a", 30.0), strips})};
   ASSERT_GT(doubtful[0].discrepancy_posterior, 0.5);
   const GapVerdict alone = Decide({.detected = true}, {"a"}, doubtful);
   EXPECT_EQ(alone.kind, GapVerdictKind::kUnknown);
@@ -146,8 +136,7 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   EXPECT_THAT(beside.effects, ElementsAre("b", "a"));
 
   strips.log_evidence = 27.0;
-  const std::vector<CompetingHypotheses> likely{
-      MakeCompetingHypotheses("a", {WithEvidence("a", 30.0), strips})};
+  const std::vector<CompetingHypotheses> likely{Competing("a", {WithEvidence("a", 30.0), strips})};
   EXPECT_EQ(Decide({.detected = true}, {"a"}, likely).kind, GapVerdictKind::kIdentified);
 }
 
@@ -158,13 +147,11 @@ TEST_F(Decided, KeepsANameThatFitsBetterThanADiscrepancy) {
   heading.id.reset();
   heading.statistic = 90.0;
   drift.statistic = 100.0;
-  EXPECT_EQ(
-      Decide({.detected = true}, {"a"}, {MakeCompetingHypotheses("a", {heading, drift})}).kind,
-      GapVerdictKind::kIdentified);
+  EXPECT_EQ(Decide({.detected = true}, {"a"}, {Competing("a", {heading, drift})}).kind,
+            GapVerdictKind::kIdentified);
   drift.statistic = 80.0;
-  EXPECT_EQ(
-      Decide({.detected = true}, {"a"}, {MakeCompetingHypotheses("a", {heading, drift})}).kind,
-      GapVerdictKind::kUnknown);
+  EXPECT_EQ(Decide({.detected = true}, {"a"}, {Competing("a", {heading, drift})}).kind,
+            GapVerdictKind::kUnknown);
 }
 
 TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {

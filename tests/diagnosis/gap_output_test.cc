@@ -11,6 +11,7 @@
 namespace dn::diagnosis_test {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using testing::LeverArmDiagnosis;
 using ::testing::Not;
@@ -235,6 +236,172 @@ TEST(VerdictSentence, OfAFaultAsksForARepair) {
       VerdictSentence(d),
       "the model lacks imu_gap from 10 to 12 s: no key of flight.yaml models it, so repair the "
       "data");
+}
+
+// ---- Sentences that must not contradict themselves ----------------------------------------------
+
+GapDiagnosis WithVerdict(GapVerdictKind kind) {
+  GapDiagnosis d = LeverArmDiagnosis();
+  d.verdict.kind = kind;
+  d.verdict.unknown = kind == GapVerdictKind::kPartial || kind == GapVerdictKind::kUnknown;
+  if (kind == GapVerdictKind::kUnknown || kind == GapVerdictKind::kNoGap) {
+    d.verdict.effects.clear();
+    d.shrinkage.reset();
+  }
+  return d;
+}
+
+GapDiagnosis WithoutPairs(GapDiagnosis d) {
+  for (GapCause& cause : d.causes) cause.boresight_rad.setZero();
+  for (DetectionLimit& effect : d.could_still_hide) effect.boresight_rad.setZero();
+  if (!d.shrinkage) return d;
+  for (GapState* state : {&d.shrinkage->before, &d.shrinkage->after}) {
+    state->boresight_rad.reset();
+    state->p2p_m.reset();
+  }
+  return d;
+}
+
+/// Returns diagnoses of one kind: closed by different shares, with and without a visible rest,
+/// within and beyond tolerances.
+std::vector<GapDiagnosis> Variants(GapVerdictKind kind) {
+  std::vector<GapDiagnosis> all;
+  for (const double closed : {-0.2, 0.0, 0.4, 0.97, 0.9996, 0.999999, 1.0}) {
+    for (const double p_after : {0.001, 0.4}) {
+      for (const bool discrepancy : {false, true}) {
+        for (const double prior_sigmas : {0.0, 1.5, 12.0}) {
+          GapDiagnosis d = WithVerdict(kind);
+          d.with_tolerances = prior_sigmas > 0.0;
+          if (prior_sigmas > 0.0) d.causes[0].prior_sigmas = prior_sigmas;
+          if (d.shrinkage) {
+            d.shrinkage->fraction = closed;
+            d.shrinkage->interval_low = closed - 1e-5;
+            d.shrinkage->interval_high = closed + 1e-6;
+            d.shrinkage->after.p_value = p_after;
+            if (discrepancy) d.shrinkage->rest = d.discrepancies[1];
+          }
+          all.push_back(d);
+          all.push_back(WithoutPairs(d));
+        }
+      }
+    }
+  }
+  return all;
+}
+
+constexpr GapVerdictKind kKinds[] = {GapVerdictKind::kIdentified, GapVerdictKind::kGroup,
+                                     GapVerdictKind::kPartial, GapVerdictKind::kUnknown,
+                                     GapVerdictKind::kNoGap};
+
+TEST(VerdictSentences, SpeakOfTheBoresightOnlyWithPairs) {
+  for (const GapVerdictKind kind : kKinds) {
+    for (const GapDiagnosis& d : Variants(kind)) {
+      const bool pairs = !d.could_still_hide.front().boresight_rad.isZero(0.0);
+      const std::string text = VerdictSentence(d);
+      SCOPED_TRACE(text);
+      if (!pairs) {
+        EXPECT_THAT(text, Not(HasSubstr("boresight")));
+      }
+      if (kind != GapVerdictKind::kUnknown) continue;
+      EXPECT_THAT(text,
+                  HasSubstr(pairs ? "do not use the boresight" : "do not use the trajectory"));
+    }
+  }
+}
+
+TEST(VerdictSentences, RoundNoShareToTheWhole) {
+  for (const GapVerdictKind kind : kKinds) {
+    for (const GapDiagnosis& d : Variants(kind)) {
+      const std::string text = VerdictSentence(d);
+      SCOPED_TRACE(text);
+      const bool whole = d.shrinkage && d.shrinkage->fraction == 1.0;
+      if (!whole) {
+        EXPECT_THAT(text, Not(HasSubstr("closes 100 %")));
+      }
+      EXPECT_THAT(text, Not(AnyOf(HasSubstr("closes -"), HasSubstr("closes 0 %"))));
+    }
+  }
+}
+
+TEST(VerdictSentences, SayInWhatTheRestShows) {
+  for (const GapDiagnosis& d : Variants(GapVerdictKind::kPartial)) {
+    const std::string text = VerdictSentence(d);
+    SCOPED_TRACE(text);
+    EXPECT_THAT(text, Not(HasSubstr("is reliable")));
+    const bool significant = d.shrinkage->after.p_value < 0.05;
+    EXPECT_EQ(text.find("significant (p = 0.001; 0.001 nats per observation)") < text.size(),
+              significant);
+    EXPECT_EQ(text.find("is small, but significant") < text.size(),
+              significant && d.shrinkage->fraction > 0.9);
+    EXPECT_EQ(text.find("resembles GNSS oscillation, 42 s") < text.size(),
+              d.shrinkage->rest.has_value());
+  }
+  GapDiagnosis d = WithVerdict(GapVerdictKind::kPartial);
+  d.validity.like_replicates_p = 0.001;
+  EXPECT_THAT(VerdictSentence(d), HasSubstr("which shows in simulated flights with the same"));
+}
+
+TEST(VerdictSentences, SayWhetherTheNamedEffectsAreTolerances) {
+  for (const GapVerdictKind kind :
+       {GapVerdictKind::kIdentified, GapVerdictKind::kGroup, GapVerdictKind::kPartial}) {
+    SCOPED_TRACE(Word(kind));
+    GapDiagnosis d = WithVerdict(kind);
+    d.causes[0].inseparable_from.clear();
+    d.causes[0].prior_sigmas = 2.0;
+    EXPECT_THAT(VerdictSentence(d), AllOf(HasSubstr("(2 times its usual sigma, a tolerance)"),
+                                          HasSubstr("within the tolerance of the sensors")));
+    d.causes[0].prior_sigmas = 12.0;
+    EXPECT_THAT(VerdictSentence(d), AllOf(HasSubstr("(12 times its usual sigma, a fault)"),
+                                          Not(HasSubstr("within the tolerance"))));
+  }
+}
+
+TEST(VerdictSentences, CallTheResultReliableWhereAllExplanationsAreTolerances) {
+  GapDiagnosis d = WithVerdict(GapVerdictKind::kNoGap);
+  d.with_tolerances = true;
+  EXPECT_THAT(VerdictSentence(d), HasSubstr("so that the boresight is reliable"));
+  d = WithVerdict(GapVerdictKind::kGroup);
+  d.causes[0].prior_sigmas = 2.0;
+  d.causes[0].inseparable_from.clear();
+  d.verdict.credible_set = {"gnss_lever_arm", "boresight_step"};
+  EXPECT_THAT(VerdictSentence(d), AllOf(HasSubstr("others would not"), Not(HasSubstr("reliable"))));
+  d.causes[1].prior_sigmas = 1.0;
+  EXPECT_THAT(VerdictSentence(d), HasSubstr("so that the boresight is reliable"));
+  d.trajectory_given = true;
+  EXPECT_THAT(VerdictSentence(d), Not(HasSubstr("reliable")));
+}
+
+TEST(VerdictSentences, SayWhyMuchEvidenceIsNotEnough) {
+  GapDiagnosis d = WithVerdict(GapVerdictKind::kUnknown);
+  d.causes[0].log_evidence = 122565.0;
+  d.causes[0].posterior = 0.0;
+  d.discrepancies[0].log_evidence = 123000.0;
+  d.discrepancies[0].posterior = 0.99;
+  constexpr const char* kLess = "435.0 nats less than laser vectors by strip";
+  EXPECT_THAT(VerdictSentence(d),
+              AllOf(HasSubstr("best description is laser vectors by strip"), HasSubstr(kLess)));
+  EXPECT_THAT(GapSummary(d), HasSubstr(kLess));
+
+  d = WithVerdict(GapVerdictKind::kIdentified);
+  d.causes[1].log_evidence = 122565.0;
+  d.causes[1].left_nats = -0.3;
+  EXPECT_THAT(GapSummary(d), HasSubstr("; -0.3 nats are left with the named effects"));
+  EXPECT_EQ(GapJson(d)["causes"][1]["left_nats"], -0.3);
+}
+
+TEST(VerdictSentences, GiveTheRivalOfADoubtfulName) {
+  GapDiagnosis d = WithVerdict(GapVerdictKind::kIdentified);
+  d.causes[0].posterior = 0.6;
+  d.discrepancies[0].posterior = 0.4;
+  EXPECT_THAT(VerdictSentence(d), HasSubstr("the probability of gnss_lever_arm is 0.60, that of "
+                                            "laser vectors by strip 0.40"));
+}
+
+TEST(VerdictSentences, LeaveOutSizesThatWereNotMeasured) {
+  GapDiagnosis d = WithVerdict(GapVerdictKind::kIdentified);
+  d.causes[0].effect = d.verdict.effects[0] = "p2p_outliers";
+  d.causes[0].estimate = d.causes[0].sigma = Eigen::Vector2d::Zero();
+  EXPECT_THAT(VerdictSentence(d), Not(HasSubstr("0 +- 0")));
 }
 
 std::vector<std::string> Lines(const std::string& text) {

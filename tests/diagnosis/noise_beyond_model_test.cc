@@ -11,6 +11,7 @@
 
 #include "pair_clusters.h"
 #include "share_pair_errors.h"
+#include "testing/only_effect.h"
 #include "testing/short_flights.h"
 
 namespace dn::diagnosis_test {
@@ -18,10 +19,8 @@ namespace dn::diagnosis_test {
 /// Rules out all unmodelled effects but one that moves nothing, so that only the noise counts.
 void RuleOutEffects(SimulatedFlight* sim) {
   sim->flight.config.gnss->automatic_process = false;
-  for (const EffectSpec& effect : EffectTable()) {
-    if (!effect.fixed() || effect.id == EffectId::kGnssTimeDrift) continue;
-    sim->flight.config.unmodelled.sizes.push_back({effect.id, {0.0}});
-  }
+  constexpr double kUsualPpm = 0.05;
+  sim->flight.config.unmodelled = testing::OnlyEffect(EffectId::kGnssTimeDrift, kUsualPpm);
 }
 
 /// Returns a flight whose pairs share this part of their variance within tiles.

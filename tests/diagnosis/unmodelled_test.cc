@@ -8,11 +8,15 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <string>
+#include <vector>
 
+#include "testing/only_effect.h"
 #include "testing/short_flights.h"
 
 namespace dn::diagnosis_test {
 
+using diagnosis_internal::CellRange;
+using diagnosis_internal::Hypothesis;
 using diagnosis_internal::Library;
 using diagnosis_internal::MakeHypothesis;
 using diagnosis_internal::UnmodelledUnknowns;
@@ -113,6 +117,18 @@ TEST(UnmodelledUnknowns, AComponentThatIsRuledOutChangesNothing) {
   const UnmodelledUnknowns none(toy.library, UnmodelledPrior(), toy.score);
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(none.Conditioned().A, toy.score.A);
+}
+
+TEST(UnmodelledUnknowns, HaveNoStartsOfAStep) {
+  UnmodelledPrior prior;
+  prior.Set(EffectId::kLidarLeverArm, Eigen::Vector3d::Constant(0.01));
+  Toy toy(prior);
+  Hypothesis step = MakeHypothesis(EffectId::kBoresightStep, 0);
+  step.cells = CellRange{0, 1};
+  toy.library.hypotheses.push_back(step);
+  prior.Set(EffectId::kBoresightStep, Eigen::Vector3d::Constant(1e-5));
+  EXPECT_EQ(UnmodelledUnknowns(toy.library, prior, toy.score).components(),
+            (std::vector<Index>{0, 1, 2}));
 }
 
 TEST(UnmodelledUnknowns, ContributionsAreWhatKnowledgeOfAnEffectWouldSave) {
@@ -277,6 +293,37 @@ TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {
     largest = std::max(largest, sigma[k].rph_rad.cwiseQuotient(pure[k].rph_rad).maxCoeff());
   }
   EXPECT_GT(largest, 1.2);
+}
+
+// An effect that is left out with its prior is, to first order, an unknown of the adjustment with
+// that prior: the biases and the poses at the nodes are the same.
+TEST(Unmodelled, BiasesAndPosesAreThoseOfAnAdjustmentWithTheEffectAsUnknown) {
+  constexpr double kPriorPpm = 100.0;
+  SimulatedFlight sim =
+      testing::Fly(testing::AircraftScenario(
+                       "effects: [{effect: accel_scale_factor, value: [100, 100, 100]}]\n"),
+                   3);
+  sim.flight.config.gnss->automatic_process = false;
+  sim.flight.config.unmodelled = testing::OnlyEffect(EffectId::kAccelScaleFactor, kPriorPpm);
+  const Solution left_out(sim.flight);
+  const std::vector<BiasEstimate> biases = left_out.CheckedBiases();
+  const std::vector<MapPose> poses = left_out.CheckedPoses();
+  sim.flight.config.unmodelled.none = true;
+  const std::vector<BiasEstimate> pure = Solution(sim.flight).trajectory().biases;
+  sim.flight.config.estimate.push_back({"accel_scale_factor", {kPriorPpm}});
+  const Solution estimated(sim.flight);
+  double moved = 0.0;
+  for (std::size_t k = 0; k < biases.size(); ++k) {
+    const BiasEstimate& expected = estimated.trajectory().biases[k];
+    const BiasEstimate& before = pure[k];
+    const Eigen::Vector3d& sigma = expected.sigma_accel_mps2;
+    EXPECT_LT((biases[k].sigma_accel_mps2 - sigma).norm(), 0.03 * sigma.norm());
+    EXPECT_LT((biases[k].accel_mps2 - expected.accel_mps2).cwiseQuotient(sigma).norm(), 0.1);
+    moved = std::max(moved, (before.accel_mps2 - expected.accel_mps2).cwiseQuotient(sigma).norm());
+    const MapPose pose = estimated.network().trajectory().NodePose(k);
+    EXPECT_LT((poses[k].p_mb - pose.p_mb).norm(), 1e-3);
+  }
+  EXPECT_GT(moved, 0.3);
 }
 
 }  // namespace dn::diagnosis_test

@@ -70,7 +70,9 @@ TEST(FileContent, PairsAndTrajectories) {
   }
   const std::string sbet = FormatSbet(points);
   EXPECT_EQ(Look(sbet, "a.out").kind, FileKind::kTrajectory);
-  EXPECT_EQ(Look(sbet, "a.bin").kind, FileKind::kUnknown);
+  for (const char* name : {"SBET_MISSION.OUT", "a.SBET", "a.Out", "a.bin", "a.txt"}) {
+    EXPECT_EQ(Look(sbet, name).kind, FileKind::kTrajectory) << name;
+  }
   EXPECT_EQ(Look(sbet.substr(1), "a.out").kind, FileKind::kUnknown);
 }
 
@@ -173,7 +175,8 @@ TEST(FileContent, TimeSince1980And1970) {
 
 TEST(FileContent, WhatIsNoneOfThemSaysWhy) {
   EXPECT_EQ(Look("").why, "empty");
-  EXPECT_THAT(Look("time,x,y\n1,2,3\n").why, ::testing::HasSubstr("is not a number"));
+  EXPECT_THAT(Look("time,x,y\n1,2,3\n").why, ::testing::HasSubstr("3 columns"));
+  EXPECT_THAT(Look("hello world\n").why, ::testing::HasSubstr("no line has numbers"));
   EXPECT_THAT(Look(Rows(1, 1, "2, 3")).why, ::testing::HasSubstr("3 columns"));
   EXPECT_EQ(InspectFile("/nowhere/at/all").kind, FileKind::kUnknown);
 }

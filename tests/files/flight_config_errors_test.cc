@@ -195,6 +195,11 @@ TEST(FlightConfigErrors, Estimate) {
   ExpectBad("estimate: [{unknown: boresight, t0_s: 3}]\n", "does not belong to", 1);
   ExpectBad("estimate: [{unknown: gravity_tilt, sigma: [1, 2, 3]}]\n", "one number or 2, in arcsec",
             1);
+  ExpectBad("across: lidar_lever_arm\n", "'boresight' is missing", 1);
+  ExpectBad("across: [boresight, lidar_lever_am]\n", "lidar_lever_arm", 1);
+  ExpectBad("across: [boresight, boresight]\n", "given twice", 1);
+  ExpectBad("across: [boresight, boresight_step]\n", "not a constant", 1);
+  ExpectBad("across: [{unknown: boresight, random_walk_deg: -1}]\n", "random_walk_deg", 1);
   ExpectBad("unmodelled: all\n", "none", 1);
   ExpectBad("unmodelled: {gyro_misalinment: 1}\n", "gyro_misalignment", 1);
   ExpectBad("unmodelled:\n  gyro_misalignment: -1\n", "unmodelled.gyro_misalignment", 2);
@@ -223,6 +228,8 @@ TEST(FlightConfigErrors, AxesAndOffsetsThatCannotBe) {
             "imu.R_imu_to_body", 3);
   ExpectBad("gnss:\n  time_offset_s: 5e9\n", "gnss.time_offset_s: must lie within", 2);
   ExpectBad("imu:\n  grade: airins\n  rate_unit: grad/s\n", "imu.rate_unit", 3);
+  ExpectBad("imu:\n  grade: airins\n  rate_unit: -1e-10\n", "imu.rate_unit", 3);
+  ExpectBad("imu:\n  grade: airins\n  force_unit: 0\n", "imu.force_unit", 3);
 }
 
 std::string Repeated(const std::string& item, int count) {

@@ -1,4 +1,5 @@
 #include <dn/files/flight_config.h>
+#include <dn/imu/unknown_imu.h>
 
 #include <cmath>
 
@@ -349,6 +350,18 @@ TEST(FlightConfig, KeepsThePresetsSourceWhenNothingIsOverridden) {
   EXPECT_EQ(Parse("imu: {grade: airins}").imu->model.source, ImuPreset("airins").source);
 }
 
+TEST(FlightConfig, AnUnknownGradeStartsWithTheStatedFigures) {
+  const FlightConfig bare = Parse("imu: {grade: unknown}");
+  EXPECT_EQ(bare.imu->grade, kUnknownGrade);
+  EXPECT_EQ(bare.imu->model.gyro.white, UnknownImu().gyro.white);
+  const FlightConfig stated = Parse("imu: {grade: unknown, gyro: {white_deg_sqrt_h: 0.002}}");
+  EXPECT_NEAR(stated.imu->model.gyro.white, 0.002 * kDeg / 60.0, kRelative);
+  ExpectRoundTrip(stated);
+  // The class follows from the noise, as without a grade.
+  EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(bare).Sigma(EffectId::kGyroMisalignment)[0], 0.2e-3);
+  EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(stated).Sigma(EffectId::kGyroMisalignment)[0], 0.03e-3);
+}
+
 const char* const kForwardLeftUp = R"(
 body: FLU
 imu: {grade: ln200}
@@ -467,6 +480,19 @@ TEST(FlightConfig, UnmodelledEffectsHaveThePriorOfTheSensorAndWhatTheFileStates)
   EXPECT_DOUBLE_EQ(prior.Sigma(EffectId::kGyroScaleFactor)[0], 200e-6);
   EXPECT_TRUE(MakeUnmodelledPrior(Parse("unmodelled: none")).pure());
   EXPECT_DOUBLE_EQ(MakeUnmodelledPrior(Parse("{}")).Sigma(EffectId::kGyroMisalignment)[0], 0.03e-3);
+}
+
+TEST(FlightConfig, UnitsMayBeNumbers) {
+  const FlightConfig config = Parse(
+      "imu: {grade: airins, format: increments, columns: [=RAWIMUSA, week, t, fz, -fy, fx, wz, "
+      "-wy, "
+      "wx], rate_unit: 1.16415e-10, force_unit: 2.27e-9}\n");
+  EXPECT_EQ(config.imu->read.rate_unit_radps, 1.16415e-10);
+  EXPECT_EQ(config.imu->read.force_unit_mps2, 2.27e-9);
+  const FlightConfig again = Parse(FormatFlightConfig(config));
+  EXPECT_EQ(again.imu->read.rate_unit_radps, 1.16415e-10);
+  EXPECT_EQ(again.imu->read.force_unit_mps2, 2.27e-9);
+  EXPECT_EQ(again.imu->read.columns, config.imu->read.columns);
 }
 
 }  // namespace dn::files_test

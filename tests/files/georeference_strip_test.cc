@@ -126,7 +126,7 @@ class GeoreferenceStrip : public ::testing::Test {
 
 TEST_F(GeoreferenceStrip, ANewBoresightMovesLasPointsWhereItSays) {
   const std::vector<double> epochs_s = Epochs(40);
-  for (const char* name : {"map", "utm:32n", "ecef"}) {
+  for (const char* name : {"map", "utm:32n", "ecef", "epsg:2056", "epsg:25832 heights:ft"}) {
     SCOPED_TRACE(name);
     const PointCrs crs(name, survey_.motion.frame);
     folder_.Write("strip.las", Las(survey_, crs, epochs_s));
@@ -207,6 +207,39 @@ TEST_F(GeoreferenceStrip, AKnownOffsetOfTheTagsIsTakenOut) {
     EXPECT_LT((points.p_c[i] - truth_m).norm(), 1e-6);
   }
   EXPECT_EQ(points.t_s, tags_s);
+}
+
+// Time tags in UTC, or of another clock: the points lie along the course from where the trajectory
+// puts them.
+TEST_F(GeoreferenceStrip, AnotherClockIsNamed) {
+  const PointCrs crs("map", survey_.motion.frame);
+  const std::vector<double> epochs_s = Epochs(2000, kBegin_s + 1.0, 0.009);
+  std::string text;
+  for (const double t_s : epochs_s) {
+    const Vector3d p_m = survey_.Ground(t_s, survey_.mounting.boresight_rad);
+    const Vector3d u_s = Survey::Beam(t_s);
+    text += FormatDouble(t_s - 8.0);
+    for (const Vector3d& v : {p_m, u_s}) {
+      for (const double x : v) text += ", " + FormatDouble(x);
+    }
+    text += "\n";
+  }
+  folder_.Write("strip.txt", text);
+  std::string las = Las(survey_, crs, epochs_s);
+  const std::size_t begin = las.size() - 30 * epochs_s.size();
+  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
+    LasBytes::Put(epochs_s[i] - 8.0, begin + 30 * i + 22, &las);
+  }
+  folder_.Write("strip.las", las);
+  GeoreferenceOptions options = survey_.Options();
+  options.trajectory = survey_.Flown(kBegin_s - 10.0, kEnd_s);
+  for (const char* name : {"strip.txt", "strip.las"}) {
+    ExpectInvalidIn([&] { Run(options, "map", name); }, " s early; set lidar.time_offset_s: -",
+                    name);
+    options.time_offset_s = -8.0;
+    EXPECT_EQ(Run(options, "map", name).kept, epochs_s.size());
+    options.time_offset_s = 0.0;
+  }
 }
 
 TEST_F(GeoreferenceStrip, ANewTrajectoryTakesTheVectorsOfTheOldOne) {

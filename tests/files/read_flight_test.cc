@@ -411,6 +411,28 @@ TEST(ReadFlightErrors, AFileInMillisecondsIsNamed) {
                   "GPS.txt");
 }
 
+TEST(ReadFlightErrors, AnotherTimeZoneOrDayIsNamed) {
+  const auto pairs = [](double shift_s, const std::string& what) {
+    const TempFolder folder;
+    WriteFlight(folder);
+    folder.Write("LiDAR_p2p.txt", Pair(105 + shift_s, 125 + shift_s));
+    ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); }, what, "LiDAR_p2p.txt");
+  };
+  pairs(7200,
+        "inside 2 hours earlier: check the time zone and the day, or set "
+        "lidar.time_offset_s: 7200");
+  pairs(3 * 86400.0, "inside 3 days earlier");
+  const TempFolder folder;
+  WriteFlight(folder);
+  std::string gnss;
+  for (int i = 100; i < 140; ++i) gnss += Row({86400.0 + i, 46.5, 6.5, 400.0});
+  folder.Write("GPS.txt", gnss);
+  ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); },
+                  "inside 24 hours earlier: check the time zone and the day, or set "
+                  "gnss.time_offset_s: 86400",
+                  "GPS.txt");
+}
+
 TEST(ReadFlightErrors, WhatIsNoRegularFileIsNamed) {
   for (const char* name : {"IMU.txt", "GPS.txt", "LiDAR_p2p.txt", "reference.out", "flight.yaml"}) {
     const TempFolder folder;

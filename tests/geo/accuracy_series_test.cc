@@ -52,13 +52,31 @@ TEST(AccuracySeries, ReadsTextInEastNorthUpAndDegrees) {
          {0.01, 0.015, 0.05});
 }
 
+// The content decides, not the ending of the name.
+TEST(AccuracySeries, AnyEnding) {
+  for (const char* name : {"smrmsg.OUT", "SMRMSG.Out", "a.smrmsg", "a.bin", "a.txt", "a"}) {
+    SCOPED_TRACE(name);
+    TempFolder folder;
+    folder.Write(name, LittleEndian(kFirst) + LittleEndian(kSecond));
+    Expect(AccuracySeries(folder.path() / name).At(381000), {0.01, 0.02, 0.03},
+           {0.01, 0.015, 0.05});
+  }
+  for (const char* name : {"sigma.TXT", "sigma.csv", "sigma.out"}) {
+    SCOPED_TRACE(name);
+    TempFolder folder;
+    folder.Write(name, "381000, 0.02, 0.01, 0.03, 1, 1, 1, 0.01, 0.015, 0.05\n");
+    Expect(AccuracySeries(folder.path() / name).At(381000), {0.01, 0.02, 0.03},
+           {0.01, 0.015, 0.05});
+  }
+}
+
 TEST(AccuracySeries, BadFilesAreNamed) {
   const auto expect = [](const std::string& content, const std::string& what) {
     TempFolder folder;
     folder.Write("smrmsg.out", content);
     ExpectInvalidIn([&] { AccuracySeries(folder.path() / "smrmsg.out"); }, what, "smrmsg.out");
   };
-  expect("", "is empty");
+  expect("", "no rows of numbers");
   expect(LittleEndian(kFirst) + "abc", "record 2 has 3 of 80 bytes");
   std::vector<double> bad = kSecond;
   bad[8] = std::numeric_limits<double>::quiet_NaN();

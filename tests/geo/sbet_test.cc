@@ -187,7 +187,7 @@ TEST(Sbet, RejectsBadFilesEachByItsOwnMessage) {
     return [sbet] { ReadBinary(sbet); };
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  ExpectInvalid([] { ReadBinary(""); }, "empty", 0);
+  ExpectInvalid([] { ReadBinary(""); }, "no rows of numbers", 0);
   ExpectInvalid([&] { ReadBinary(good.substr(0, 500)); }, "truncated: record 4 has 92 of 136 bytes",
                 0);
   ExpectInvalid([&] { ReadBinary(good.substr(0, kRecordBytes)); }, "only one epoch", 0);
@@ -199,6 +199,17 @@ TEST(Sbet, RejectsBadFilesEachByItsOwnMessage) {
   ExpectInvalid(with(2, 1, 46.57), "SBET record 3: latitude", 0);
   ExpectInvalid(with(2, 2, -7.0), "SBET record 3: longitude", 0);
   ExpectInvalid([] { ReadTrajectory("/no/such/sbet.out"); }, "does not exist", 0);
+}
+
+// The content decides, not the ending of the name.
+TEST(Sbet, AnyEnding) {
+  const std::string sbet = FormatSbet(MovingPoints(10, 0.1));
+  const std::string text = FormatTrajectoryText(MovingPoints(10, 0.1));
+  for (const char* name : {"a.out", "SBET_1.OUT", "a.SBET", "a.Sbet", "a.bin", "a.txt", "a"}) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(ReadTrajectory(TempFile(name, sbet).path()).points().size(), 10u);
+    EXPECT_EQ(ReadTrajectory(TempFile(name, text).path()).points().size(), 10u);
+  }
 }
 
 TEST(Sbet, RejectionNamesTheFile) {

@@ -65,6 +65,42 @@ TEST(TextTable, RejectsWhatIsNoFiniteNumber) {
   ExpectInvalid([] { ReadTable(std::string(1000, 'x')); }, std::string(40, 'x') + "...' is not", 1);
 }
 
+// Windows programs print NaN with a '#', which otherwise starts a comment.
+TEST(TextTable, AHashInsideAValueIsNoComment) {
+  for (const char* nan :
+       {"-1.#IND", "1.#IND", "1.#QNAN", "-1.#QNAN00", "1.#INF", "-1.#INF000", "1.#SNAN", "nan",
+        "NaN", "-nan(ind)", "nan(snan)", "NAN", "#N/A", "N/A", "null", "Inf", "-Infinity"}) {
+    SCOPED_TRACE(nan);
+    const std::string value = nan;
+    const bool comment = value[0] == '#';
+    const std::string what = comment ? "1 columns" : "'" + value + "' is not a finite number";
+    ExpectInvalid([&] { ReadTable("1 2\n1 " + value + "\n"); }, what, 2);
+    ExpectInvalid([&] { ReadTable("1,2,3\n1," + value + ",3\n"); },
+                  comment ? "a value is missing" : what, 2);
+    if (!comment) ExpectInvalid([&] { ReadTable(value + " 2\n"); }, what, 1);
+  }
+  ExpectInvalid([] { ReadTable("1 2#two\n"); }, "'2#two' is not a number", 1);
+  EXPECT_EQ(ReadTable("1,2 #two\n3 4\t#four\n").rows(), 2u);
+}
+
+TEST(TextTable, NamesTextInUtf16) {
+  const auto wide = [](const std::string& text, bool little, bool mark) {
+    std::string bytes = mark ? (little ? "\xFF\xFE" : "\xFE\xFF") : "";
+    for (const char c : text) {
+      if (!little) bytes += '\0';
+      bytes += c;
+      if (little) bytes += '\0';
+    }
+    return bytes;
+  };
+  for (const bool little : {true, false}) {
+    for (const bool mark : {true, false}) {
+      ExpectInvalid([&] { ReadTable(wide("1, 2, 3\n4, 5, 6\n", little, mark)); },
+                    "UTF-16; save it as UTF-8", 0);
+    }
+  }
+}
+
 TEST(TextTable, NamesSemicolonsAndDecimalCommas) {
   ExpectInvalid([] { ReadTable("1;2\n"); }, "not by semicolons", 1);
   ExpectInvalid([] { ReadTable("381000,5;46,57;6,52\n"); }, "decimal commas by points", 1);

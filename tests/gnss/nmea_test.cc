@@ -70,8 +70,108 @@ TEST(Nmea, CountsSentencesWithoutPosition) {
   EXPECT_EQ(data.unusable_sentences, 2);
 }
 
+std::string Zda(const std::string& time, const std::string& date) {
+  return Sentence("GPZDA," + time + "," + date + ",00,00");
+}
+
+// 22 June 2025 is a Sunday: the seconds of the week are those of the day, plus 18.
+TEST(Nmea, OnlyValidSentencesGiveTheDate) {
+  const std::string good = Rmc("120000", "220625") + Gga("120000") + Gga("120001");
+  const auto first_s = [](const std::string& text) { return ReadNmea(text).epochs.at(0).t_s; };
+  const auto empty = [](const std::string& time, const std::string& date) {
+    return Sentence("GPRMC," + time + ",V,,,,,,," + date + ",,,N");
+  };
+  for (const std::string& before :
+       {empty("000012.00", "060180"), empty("094930", "190923"), empty("", "210923"), empty("", ""),
+        Sentence("GPZDA,,,,,00,00"), Sentence("GPZDA,094935.00,,,,00,00"),
+        Sentence("GPZDA,,21,09,2023,00,00"), Zda("000012", "00,00,0000"),
+        Zda("000012", "06,01,1980"), Sentence("GPGGA,000012.00,,,,,0,00,99.99,,,,,,")}) {
+    SCOPED_TRACE(before);
+    EXPECT_EQ(first_s(before + good), 43218.0);
+  }
+  const std::string zda = Zda("120001", "22,06,2025");
+  EXPECT_EQ(first_s(Gga("120000") + zda), 43218.0);
+  EXPECT_EQ(first_s(zda + Gga("120000")), 43218.0);
+  EXPECT_EQ(first_s(Zda("000012", "06,01,1980") + Gga("120000") + zda), 43218.0);
+  ExpectInvalid([&] { first_s(empty("120000", "220625") + Gga("120000")); }, "no valid RMC", 0);
+}
+
+TEST(Nmea, HemisphereLettersAreRequired) {
+  const auto read = [](const std::string& ns, const std::string& ew, const std::string& sign = "") {
+    return ReadNmea(Rmc("120000", "220625") +
+                    Sentence("GPGGA,120000," + sign + "4807.038," + ns + ",01131.000," + ew +
+                             ",1,08,0.9,545.4,M,46.9,M,,"))
+        .epochs.at(0)
+        .antenna;
+  };
+  EXPECT_LT(read("S", "E").lat_rad, 0.0);
+  EXPECT_LT(read("s", "w").lat_rad, 0.0);
+  EXPECT_LT(read("n", "w").lon_rad, 0.0);
+  EXPECT_GT(read("n", "e").lon_rad, 0.0);
+  ExpectInvalid([&] { read("", "E"); }, "no hemisphere N or S after '4807.038'", 2);
+  ExpectInvalid([&] { read("N", ""); }, "no hemisphere E or W after '01131.000'", 2);
+  ExpectInvalid([&] { read("E", "N"); }, "no hemisphere N or S", 2);
+  ExpectInvalid([&] { read("N", "E", "-"); }, "no hemisphere N or S after '-4807.038'", 2);
+}
+
+TEST(Nmea, HeightsWithoutGeoidSeparationAreNotUsed) {
+  const auto gga = [](const std::string& time, const std::string& separation) {
+    return Sentence("GPGGA," + time + ",4807.038,N,01131.000,E,1,08,0.9,545.4,M," + separation +
+                    ",M,,");
+  };
+  const std::string date = Rmc("120000", "220625");
+  const GnssData some = ReadNmea(date + gga("120000", "") + gga("120001", "46.9"));
+  ASSERT_EQ(some.epochs.size(), 1u);
+  EXPECT_NEAR(some.epochs[0].antenna.h_m, 592.3, 1e-9);
+  EXPECT_EQ(some.counts.at("gnss sentences without geoid separation, left out"), 1);
+  ExpectInvalid([&] { ReadNmea(date + gga("120000", "") + gga("120001", "")); },
+                "no GGA sentence states the geoid separation", 2);
+  EXPECT_EQ(ReadNmea(date + gga("120000", "0.0")).epochs.size(), 1u);
+  EXPECT_NEAR(ReadNmea(date + gga("120000", "-33.5")).epochs[0].antenna.h_m, 511.9, 1e-9);
+}
+
+TEST(Nmea, PositionsThatAreNotMeasured) {
+  const std::string date = Rmc("120000", "220625");
+  for (const char* quality : {"6", "7", "8"}) {
+    const GnssData data = ReadNmea(date + Gga("120000", "4") + Gga("120001", quality));
+    EXPECT_EQ(data.epochs.size(), 1u);
+    EXPECT_EQ(data.counts.at("gnss positions of dead reckoning, manual or simulated, left out"), 1);
+  }
+  for (const char* quality : {"1", "2", "3", "4", "5", "9"}) {
+    EXPECT_EQ(ReadNmea(date + Gga("120000", quality)).epochs.size(), 1u) << quality;
+  }
+}
+
+// Two receivers, or one that also reports the solutions of single systems.
+TEST(Nmea, OneTalkerIsUsed) {
+  const auto gga = [](const std::string& talker, const std::string& time) {
+    return Sentence(talker + "GGA," + time + ",4807.038,N,01131.000,E,1,08,0.9," +
+                    (talker == "GN" ? "500.0" : "501.0") + ",M,46.9,M,,");
+  };
+  const std::string date = Rmc("120000", "220625");
+  const std::string both = gga("GP", "120000") + gga("GN", "120000") + gga("GN", "120001");
+  const GnssData most = ReadNmea(date + both);
+  ASSERT_EQ(most.epochs.size(), 2u);
+  EXPECT_NEAR(most.epochs[0].antenna.h_m, 546.9, 1e-9);
+  EXPECT_EQ(most.counts.at("gnss sentences of another talker, left out"), 1);
+  const GnssData equal = ReadNmea(date + gga("GP", "120000") + gga("GN", "120000"));
+  ASSERT_EQ(equal.epochs.size(), 1u);
+  EXPECT_NEAR(equal.epochs[0].antenna.h_m, 546.9, 1e-9);
+  EXPECT_EQ(ReadNmea(date + gga("GL", "120000")).epochs.size(), 1u);
+}
+
+// 21 September 2023 is week 2280; 1024 weeks before it is 5 February 2004.
+TEST(Nmea, DatesOfAMissedRolloverAreNamed) {
+  const auto names_it = [](const std::string& date) {
+    const GnssData data = ReadNmea(Rmc("120000", date) + Gga("120000"));
+    return !data.counts.empty();
+  };
+  for (const char* early : {"050204", "220899", "010109"}) EXPECT_TRUE(names_it(early)) << early;
+  for (const char* good : {"210923", "010112", "230394"}) EXPECT_FALSE(names_it(good)) << good;
+}
+
 TEST(Nmea, RejectsFilesWithoutDateOrPosition) {
-  ExpectInvalid([] { ReadNmea(Gga("120000")); }, "gives the date", 0);
+  ExpectInvalid([] { ReadNmea(Gga("120000")); }, "gives the date of the GGA sentences", 0);
   ExpectInvalid([] { ReadNmea(Rmc("120000", "220625")); }, "no GGA sentence", 0);
   ExpectInvalid([] { ReadNmea(Rmc("120000", "990025") + Gga("120000")); }, "no such date", 1);
   ExpectInvalid([] { ReadNmea(Rmc("120000", "220625") + Gga("12:00")); }, "hhmmss", 2);

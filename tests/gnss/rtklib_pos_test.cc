@@ -184,6 +184,54 @@ TEST(RtklibPos, DropsRepeats) {
   EXPECT_EQ(data.repeated_rows_dropped, 1);
 }
 
+// Real-time programs write the rows without header lines.
+TEST(RtklibPos, ReadsCompleteRowsWithoutHeader) {
+  const std::string velocity = "  0.1 0.2 0.3 0.01 0.02 0.03 0.001 0 0";
+  const std::string place = " 46.123456789 6.987654321 512.3456", xyz = " 4396000 538000 4575500";
+  const auto same = [&](const std::string& header, const std::string& row) {
+    const GnssData with = ReadRtklib(header + "\n" + row + "\n");
+    const GnssData without = ReadRtklib(row + "\n" + row + "\n");
+    EXPECT_EQ(without.counts.at("gnss rows without a header, read as GPS time"), 2);
+    EXPECT_TRUE(with.counts.empty());
+    const GnssEpoch &a = with.epochs.at(0), &b = without.epochs.at(0);
+    EXPECT_EQ(a.t_s, b.t_s);
+    EXPECT_EQ(a.antenna.lat_rad, b.antenna.lat_rad);
+    EXPECT_EQ(a.antenna.h_m, b.antenna.h_m);
+    EXPECT_EQ(*a.covariance_enu_m2, *b.covariance_enu_m2);
+    EXPECT_EQ(a.velocity_enu_mps, b.velocity_enu_mps);
+    EXPECT_EQ(a.quality, b.quality);
+  };
+  const std::string xyz_header = kGpst +
+                                 "x-ecef(m) y-ecef(m) z-ecef(m) Q ns sdx(m) sdy(m) sdz(m) sdxy(m) "
+                                 "sdyz(m) sdzx(m) age(s) ratio";
+  same(kGpst + kLlh, "2024/02/10 01:02:03.5" + place + kQuality);
+  same(kGpst + kLlh, "2305 100.500" + place + kQuality);
+  same(kGpst + kLlh + kVelocity, "2024/02/10 01:02:03.5" + place + kQuality + velocity);
+  same(xyz_header, "2024/02/10 01:02:03.5" + xyz + kQuality);
+  same(xyz_header + " vx vy vz sdvx sdvy sdvz sdvxy sdvyz sdvzx",
+       "2024/02/10 01:02:03.5" + xyz + kQuality + velocity);
+  ExpectInvalid([&] { ReadRtklib("2305 100.500" + place + " 1 9\n"); }, "out-outhead on", 1);
+}
+
+TEST(RtklibPos, AByteOrderMarkDoesNoHarm) {
+  EXPECT_EQ(ReadRtklib("\xEF\xBB\xBF" + kPreamble + kGpst + kLlh + "\n2305 1.0 46 6.9 512" +
+                       kQuality + "\n")
+                .epochs.size(),
+            1u);
+}
+
+TEST(RtklibPos, RowsWithUnknownSigmas) {
+  const std::string header = kGpst + kLlh + "\n", zero = " 5 9 0 0 0 0 0 0 0.00 4.2\n";
+  const GnssData some =
+      ReadRtklib(header + "2305 1.0 46 6.9 512" + kQuality + "\n2305 2.0 46 6.9 512" + zero);
+  EXPECT_EQ(some.epochs.size(), 1u);
+  EXPECT_EQ(some.counts.at("gnss rows with sigmas of 0, left out"), 1);
+  const GnssData none =
+      ReadRtklib(header + "2305 1.0 46 6.9 512" + zero + "2305 2.0 46 6.9 512" + zero);
+  EXPECT_EQ(none.epochs.size(), 2u);
+  EXPECT_FALSE(none.epochs[0].covariance_enu_m2);
+}
+
 TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
   const std::string header = kGpst + kLlh + "\n";
   const std::string sigmas_to_ratio = " 0.02 0.01 0.05 0 0 0 0.00 4.2\n";
@@ -222,7 +270,8 @@ TEST(RtklibPos, RejectsTimesThatDoNotIncrease) {
 
 TEST(RtklibPos, RejectsFilesItCannotPlace) {
   const std::string row = "2305 1.0 46 6.9 512" + kQuality + "\n";
-  ExpectInvalid([&] { ReadRtklib(row); }, "no line with the names of the columns", 1);
+  ExpectInvalid([&] { ReadRtklib("2305 1.0 46 6.9 512 1 9\n"); },
+                "no line with the names of the columns", 1);
   ExpectInvalid([&] { ReadRtklib(kPreamble + kGpst + kLlh + "\n"); }, "no solutions", 0);
   ExpectInvalid([&] { ReadRtklib(""); }, "no solutions", 0);
   ExpectInvalid(

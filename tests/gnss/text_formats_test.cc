@@ -128,6 +128,20 @@ TEST(OdynGnss, DropsRepeatsAndContinuesOverTheWeek) {
   EXPECT_EQ(data.epochs[2].line, 4);
 }
 
+// A sigma of 0 is unknown. It must not become the default of a flight if other rows have sigmas.
+TEST(Gnss, RowsWithUnknownSigmas) {
+  for (const auto& read : {ReadOdyn, ReadObGins}) {
+    const GnssData none = read("10 46 6 500 0 0 0\n11 46 6 500 0 0 0\n");
+    ASSERT_EQ(none.epochs.size(), 2u);
+    EXPECT_FALSE(none.epochs[0].covariance_enu_m2);
+    EXPECT_TRUE(none.counts.empty());
+    const GnssData some = read("10 46 6 500 1 1 1\n11 46 6 500 0 0 0\n12 46 6 500 1 1 1\n");
+    ASSERT_EQ(some.epochs.size(), 2u);
+    EXPECT_EQ(some.epochs[1].t_s, 12.0);
+    EXPECT_EQ(some.counts.at("gnss rows with sigmas of 0, left out"), 1);
+  }
+}
+
 TEST(OdynGnss, RejectsBadFilesEachByItsOwnMessage) {
   const std::string ok = "10 46 6 500 0.1 0.1 0.1\n";
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0 0.1\n"); }, "position sigma N is zero", 2);

@@ -58,7 +58,24 @@ TEST(LasCrs, GeoTiffKeys) {
   const StripCrs degrees = ReadCrs({GeoKeys({{1024, 0, 1, 2}, {2048, 0, 1, 4326}})});
   EXPECT_EQ(degrees.name, "");
   EXPECT_EQ(degrees.epsg, 4326);
-  EXPECT_EQ(ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 3005}})}).name, "");
+}
+
+TEST(LasCrs, GeoTiffKeysOfAnyProjectedSystem) {
+  const auto name = [](const std::vector<std::array<std::uint16_t, 4>>& keys) {
+    return ReadCrs({GeoKeys(keys)}).name;
+  };
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 3005}}), "epsg:3005");
+  // California zone 3 is in US survey feet.
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 2227}, {3076, 0, 1, 9003}}), "epsg:2227");
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 2227}, {4099, 0, 1, 9003}}),
+            "epsg:2227 heights:us-ft");
+  EXPECT_EQ(name({{1024, 0, 1, 1}, {3072, 0, 1, 32632}, {4099, 0, 1, 9002}}), "utm:32n heights:ft");
+  EXPECT_FALSE(ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 2227}})}).in_metres);
+  ExpectInvalidIn(
+      [&] {
+        name({{1024, 0, 1, 1}, {3072, 0, 1, 32632}, {3076, 0, 1, 9003}});
+      },
+      "the coordinates of the points are not in metres", "strip.las");
 }
 
 TEST(LasCrs, BrokenGeoTiffKeys) {
@@ -117,6 +134,28 @@ TEST(LasCrs, FeetAreRefused) {
         ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3076, 0, 1, 9003}})});
       },
       "the coordinates of the points are not in metres", "strip.las");
+}
+
+TEST(LasCrs, HeightsInFeetAreConvertedOrRefused) {
+  const std::string plane = R"(PROJCS["x",UNIT["metre",1]])";
+  const std::string esri = plane + R"(,VERTCS["NAVD88",UNIT["Foot_US",0.3048006096012192]])";
+  const LasRecord code = GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 32632}, {4096, 0, 1, 6360}});
+  const LasRecord unit = GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 32632}, {4099, 0, 1, 9003}});
+  EXPECT_EQ(ReadCrs({code}).name, "utm:32n heights:us-ft");
+  EXPECT_EQ(ReadCrs({unit}).name, "utm:32n heights:us-ft");
+  const std::vector<std::vector<LasRecord>> cases{
+      {Wkt(esri)}, {Wkt(plane), code}, {Wkt(plane), unit}};
+  for (const std::vector<LasRecord>& records : cases) {
+    ExpectInvalidIn([&] { ReadCrs(records); }, "the heights of the points are not in metres",
+                    "strip.las");
+  }
+  EXPECT_TRUE(ReadCrs({Wkt(plane + R"(,VERTCS["NAVD88",UNIT["Meter",1.0]])")}).heights_from_geoid);
+  // Text with a vertical system takes precedence over the keys.
+  EXPECT_TRUE(
+      ReadCrs({Wkt(R"(COMPD_CS["x",PROJCS["x",UNIT["m",1]],VERT_CS["h",UNIT["m",1]]])"), code})
+          .heights_from_geoid);
+  const LasRecord metres = GeoKeys({{1024, 0, 1, 1}, {4096, 0, 1, 5703}, {4099, 0, 1, 9001}});
+  EXPECT_TRUE(ReadCrs({Wkt(plane), metres}).heights_from_geoid);
 }
 
 TEST(LasCrs, BrokenTextIsKept) {

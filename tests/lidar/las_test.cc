@@ -114,13 +114,57 @@ TEST_P(EveryLasFormat, ReadsClassesWithoutTheirFlags) {
 
 INSTANTIATE_TEST_SUITE_P(
     Las, EveryLasFormat,
-    ::testing::Values(VersionAndFormat{2, 0}, VersionAndFormat{2, 1}, VersionAndFormat{2, 2},
-                      VersionAndFormat{2, 3}, VersionAndFormat{3, 4}, VersionAndFormat{3, 5},
-                      VersionAndFormat{4, 1}, VersionAndFormat{4, 6}, VersionAndFormat{4, 7},
-                      VersionAndFormat{4, 8}, VersionAndFormat{4, 9}, VersionAndFormat{4, 10}),
+    ::testing::Values(VersionAndFormat{0, 0}, VersionAndFormat{0, 1}, VersionAndFormat{1, 0},
+                      VersionAndFormat{1, 1}, VersionAndFormat{3, 1}, VersionAndFormat{2, 0},
+                      VersionAndFormat{2, 1}, VersionAndFormat{2, 2}, VersionAndFormat{2, 3},
+                      VersionAndFormat{3, 4}, VersionAndFormat{3, 5}, VersionAndFormat{4, 1},
+                      VersionAndFormat{4, 6}, VersionAndFormat{4, 7}, VersionAndFormat{4, 8},
+                      VersionAndFormat{4, 9}, VersionAndFormat{4, 10}),
     [](const auto& test) {
       return "v1" + std::to_string(test.param.minor) + "format" + std::to_string(test.param.format);
     });
+
+TEST_P(EveryLasFormat, ReadsTheFlagsOfPoints) {
+  LasBytes las = ThreePoints();
+  las.minor = GetParam().minor;
+  las.format = GetParam().format;
+  std::string bytes = las.Build();
+  const int shift = las.format >= 6 ? 0 : 5;
+  const std::size_t first = las.HeaderBytes() + 15;
+  bytes[first] = static_cast<char>(StripCloud::kSynthetic << shift);
+  bytes[first + las.RecordBytes()] = static_cast<char>(StripCloud::kWithheld << shift);
+  const TempFile file("strip.las", bytes);
+  EXPECT_EQ(ReadAll(file.path()).flags,
+            (std::vector<std::uint8_t>{StripCloud::kSynthetic, StripCloud::kWithheld, 0}));
+}
+
+// Version 1.3 with the header of version 1.2, which does not say where the waveforms begin.
+TEST(Las, AShortHeaderOfVersion13) {
+  LasBytes las = ThreePoints();
+  std::string bytes = las.Build();
+  bytes[25] = 3;
+  const TempFile file("strip.las", bytes);
+  EXPECT_EQ(ReadAll(file.path()).size(), 3u);
+  EXPECT_EQ(WrittenAgain(file), bytes);
+}
+
+// Before version 1.2, the bytes of the encoding have no meaning.
+TEST(Las, OldVersionsHaveSecondsOfWeek) {
+  for (const int minor : {0, 1}) {
+    LasBytes las = ThreePoints();
+    las.minor = minor;
+    las.encoding = 1;
+    const TempFile file("strip.las", las.Build());
+    EXPECT_EQ(ReadAll(file.path()).t_s[0], 381000.125);
+  }
+}
+
+TEST(Las, AnyEnding) {
+  for (const char* name : {"strip.LAS", "strip.Las", "strip.txt", "strip.bin", "strip"}) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(ReadAll(TempFile(name, ThreePoints().Build()).path()).size(), 3u);
+  }
+}
 
 TEST(Las, AdjustedTimeBecomesSecondsOfWeekWithoutLosingABit) {
   LasBytes las = ThreePoints();
@@ -336,9 +380,9 @@ TEST(LasHeader, ReportsFalseStatements) {
     SCOPED_TRACE("byte " + std::to_string(at));
     ExpectRefusedWith(las, at, value, what);
   };
-  ExpectRefused("", "0 bytes, but a LAS header has at least 227");
-  ExpectRefused(std::string(300, 'x'), "does not begin with LASF");
-  with(25, std::uint8_t{1}, "version 1.1 (byte 24) is not supported");
+  ExpectRefused("", "no rows of numbers");
+  ExpectRefused(std::string(300, 'x'), "is not a number");
+  with(25, std::uint8_t{5}, "version 1.5 (byte 24) is not supported");
   with(24, std::uint8_t{2}, "version 2.2 (byte 24) is not supported");
   with(94, std::uint16_t{100}, "the header size (byte 94) is 100");
   with(94, std::uint16_t{60000}, "the points begin (byte 96)");
@@ -435,7 +479,9 @@ TEST(LasHeader, LazIsRecognisedByItsRecord) {
 }
 
 TEST(LasHeader, RejectsOtherFiles) {
-  ExpectRefused("x", "strips must be .las, .laz or .txt files, not '.ply'", "strip.ply");
+  ExpectRefused(std::string("ply\0\1\2", 6), "strips must be LAS or LAZ, or text of t, x, y, z",
+                "strip.ply");
+  ExpectRefused("x", "'x' is not a number", "strip.ply");
 }
 
 }  // namespace dn::lidar_test

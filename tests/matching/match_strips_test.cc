@@ -135,6 +135,21 @@ std::pair<std::vector<double>, StripCounts> UsedHeights(const std::filesystem::p
   return {heights_m, counts};
 }
 
+TEST_F(BareStrips, PointsInFeetAreRefused) {
+  testing::LasBytes las;
+  las.points.resize(2);
+  las.vlrs = {{"LASF_Projection", 2112,
+               R"(PROJCS["x",GEOGCS["NAD83",DATUM["x",SPHEROID["GRS 1980",6378137,298.257222101]],)"
+               R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],)"
+               R"(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
+               R"(PARAMETER["central_meridian",-117],PARAMETER["scale_factor",0.9996],)"
+               R"(PARAMETER["false_easting",1640416.67],PARAMETER["false_northing",0],)"
+               R"(UNIT["US survey foot",0.3048006096012192]])"}};
+  folder_.Write("1.las", las.Build());
+  testing::ExpectInvalidIn([&] { BareMatchSource(FindMatchStrips({folder_.path() / "1.las"})); },
+                           "are in feet", "1.las");
+}
+
 TEST_F(BareStrips, ReturnsAndClassesAreChosen) {
   testing::LasBytes las;
   las.points = {{0, 0, 20000, 1.0, 0, 1, 1, "", 2, 5},

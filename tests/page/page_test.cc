@@ -51,6 +51,29 @@ double NumberAt(const Table& table, std::size_t row, std::size_t column) {
   return std::get<Number>(table.rows.at(row).at(column).content).value;
 }
 
+TEST(Page, ShowsTheAnglesOfSeveralFlights) {
+  Json result = Result("dn", 0.2, 0.001);
+  result["flights"] = Json::array();
+  for (const double roll_deg : {0.2, 0.203, 0.199}) {
+    result["flights"].push_back({{"flight", "monday"},
+                                 {"angles_deg", {roll_deg, 0.03, 0.35}},
+                                 {"sigma_deg", {0.002, 0.003, 0.004}},
+                                 {"change_deg", {roll_deg - 0.2, 0, 0}},
+                                 {"change_sigma_deg", {0.002, 0.003, 0.004}}});
+  }
+  result["excluded"] = {{{"flight", "friday"}, {"reason", "absorbed"}}};
+  result["stability"] = {{"likeliest_change", {{"kind", "from_flight_on"}, {"flight", "monday"}}}};
+  const Document page = MakePage(Folder("result.json", result).path());
+  EXPECT_EQ(page.headlines.front().word, "calibrated");
+  const Chart& roll = std::get<Chart>(page.sections.front().contents.front());
+  const std::vector<Curve>& curves = std::get<SeriesChart>(roll).curves;
+  ASSERT_EQ(curves.size(), 2u);
+  EXPECT_THAT(curves[0].x, ::testing::ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_DOUBLE_EQ(curves[0].high[1], 0.207);
+  EXPECT_DOUBLE_EQ(curves[1].low[0], 0.198);  // of all flights
+  EXPECT_THAT(ToText(page), HasSubstr("friday"));
+}
+
 TEST(Page, SaysOfEveryVerdictWhetherToRelyOnIt) {
   const std::pair<const char*, Tone> verdicts[] = {{"calibrated", Tone::kGood},
                                                    {"absorbed", Tone::kDoubtful},
@@ -88,6 +111,32 @@ TEST(Page, WhatIsAbsentIsADash) {
     const Folder folder(name, {{"boresight", {{"angles_deg", {nullptr, "x"}}}}});
     EXPECT_THAT(ToHtml(MakePage(folder.path())), HasSubstr("1.2.3")) << name;
   }
+}
+
+TEST(Page, ACalibrationPrintsACertificate) {
+  Json report = Report();
+  report["inputs"] = {{{"file", "IMU.txt"}, {"bytes", 10}, {"sha256", std::string(64, 'a')}}};
+  Json result = Result("dn", 0.2, 0.001);
+  result["assessment"] = {{"verdict", "absorbed"}, {"reasons", {"a poor trajectory"}}};
+  const Folder folder("result.json", result, report);
+  folder.Write("config.resolved.yaml",
+               "imu: {grade: airins}\ngnss: {lever_arm_m: [0.25, -0.5, -1.75]}\n");
+  const Document page = MakePage(folder.path());
+  ASSERT_EQ(page.certificate.size(), 2u);
+  const auto& verdict = page.certificate[0].contents;
+  EXPECT_THAT(std::get<Paragraph>(verdict[0]).text, HasSubstr("absorbed"));
+  EXPECT_EQ(std::get<Paragraph>(verdict[1]).text, "a poor trajectory");
+  const Table& angles = std::get<Table>(verdict[2]);
+  EXPECT_EQ(NumberAt(angles, 0, 1), 0.2);
+  EXPECT_EQ(NumberAt(angles, 1, 3), 0.001);
+  const std::string html = ToHtml(page);
+  EXPECT_THAT(html, HasSubstr("class=\"certified\""));
+  for (const char* text : {"airins", "0.25, -0.5, -1.75", "IMU.txt"}) {
+    EXPECT_THAT(html.substr(html.find("class=\"certificate\"")), HasSubstr(text));
+  }
+  EXPECT_THAT(html, HasSubstr(std::string(64, 'a')));
+  EXPECT_THAT(ToHtml(MakePage(Folder("smooth.json", {{"flight", "x"}}).path())),
+              Not(HasSubstr("class=\"certificate\"")));
 }
 
 TEST(Page, AFlightWithAHostileNameStaysAName) {

@@ -43,7 +43,7 @@ struct LasBytes {
     constexpr std::size_t kBytes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
     return kBytes[format];
   }
-  std::size_t HeaderBytes() const { return minor == 2 ? 227 : minor == 3 ? 235 : 375; }
+  std::size_t HeaderBytes() const { return minor < 3 ? 227 : minor == 3 ? 235 : 375; }
   std::size_t RecordBytes() const { return FormatBytes(format) + extra_bytes; }
 
   std::string Build() const {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calibration.h"
+#include "certificate.h"
 #include "sections.h"
 
 namespace dn::page_internal {
@@ -78,24 +79,13 @@ Table Covariance(const Facts& matrix) {
 /// Returns the effects outside of the model with the largest parts in the sigmas.
 Table Contributions(const Facts& boresight) {
   constexpr std::size_t kMost = 8;
-  Table table{
-      "What the sensors leave unsaid: its part in the sigmas",
-      {"effect", "roll [mdeg]", "pitch", "yaw", "smaller by"},
-      {},
+  Table table = ContributionTable(boresight, kMost);
+  table.title = "What the sensors leave unsaid: its part in the sigmas";
+  table.note =
       "These effects, within the tolerance of data sheets, are unknowns with priors. The part "
       "of a sigma is what exact knowledge of the effect would save. Without all of them the "
-      "sigmas are those of the pure model."};
-  for (const Facts& part : boresight["contributions"].elements()) {
-    if (table.rows.size() == kMost) break;
-    std::vector<Cell> cells = Three(part["sigma_deg"], 2, 1e3);
-    cells.push_back(Text(part["remedy"].text()));
-    table.rows.push_back(Row(part["effect"].text(), std::move(cells)));
-  }
-  if (!table.rows.empty()) {
-    std::vector<Cell> pure = Three(boresight["as_modelled"]["sigma_deg"], 2, 1e3);
-    pure.push_back(Text(""));
-    table.rows.push_back(Row("pure model", std::move(pure)));
-  }
+      "sigmas are those of the pure model.";
+  if (!table.rows.empty()) table.rows.push_back(PureModelRow(boresight));
   return table;
 }
 
@@ -225,6 +215,7 @@ Document CalibrationPage(const ResultFolder& folder) {
   Append(BiasSection(folder), &document);
   Append(StatisticsSection(folder.report()["innovations"], folder.report()["residuals"]),
          &document);
+  document.certificate = Certificate(folder, all.front());
   return document;
 }
 

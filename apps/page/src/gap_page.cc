@@ -15,9 +15,21 @@ constexpr std::size_t kMaxCauses = 15;
 constexpr std::size_t kMaxStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 
-// The meanings agree with docs/guides/gap.md.
-const std::map<std::string, Meaning>& GapMeanings() {
-  static const std::map<std::string, Meaning> meanings{
+/// Returns whether the diagnosis contains shifts of the boresight. It does not without pairs.
+bool HasBoresight(const Facts& gap) {
+  for (const char* list : {"causes", "could_still_hide"}) {
+    for (const Facts& effect : gap[list].elements()) {
+      const Eigen::Vector3d shift = effect["boresight_damage_mdeg"].vector3();
+      if (!shift.isZero(0.0)) return true;
+    }
+  }
+  return false;
+}
+
+/// Returns what each verdict means for the boresight, or for the trajectory of a flight without
+/// pairs. The meanings agree with docs/guides/gap.md.
+std::map<std::string, Meaning> GapMeanings(const std::string& result) {
+  return {
       {"identified",
        {"The data differ from the model, and the named effects explain it.",
         Tone::kDoubtful,
@@ -28,27 +40,27 @@ const std::map<std::string, Meaning>& GapMeanings() {
         "separate them.",
         Tone::kDoubtful,
         {"Measure one of them, or fly what the reason proposes.",
-         "The boresight depends on which of them is the cause."}}},
+         "The " + result + " depends on which of them is the cause."}}},
       {"partial",
-       {"Do not rely on the boresight: no known effect explains a part of the gap.",
+       {"Do not rely on the " + result + ": no known effect explains a part of the gap.",
         Tone::kBad,
         {"Look at the first place under Where: a sensor, a strip or a time that differs."}}},
       {"unknown",
-       {"Do not rely on the boresight: the data differ from the model, and no known effect "
-        "explains it.",
+       {"Do not rely on the " + result +
+            ": the data differ from the model, and no known effect explains it.",
         Tone::kBad,
         {"Look at the first place under Where: a sensor, a strip or a time that differs."}}},
       {"no_gap",
        {"The data agree with the assumed model.",
         Tone::kGood,
-        {"Read which effects are undetectable, and decide whether you can accept their shift "
-         "of the boresight."}}},
+        {"Read which effects are undetectable, and decide whether you can accept their shift of "
+         "the " +
+         result + "."}}},
       {"unavailable",
        {"This flight cannot be diagnosed.",
         Tone::kDoubtful,
         {"Fly again, or add the data that the reason names."}}},
   };
-  return meanings;
 }
 
 Headline GapHeadline(const Facts& gap) {
@@ -58,7 +70,7 @@ Headline GapHeadline(const Facts& gap) {
   headline.word = kind == "no_gap" ? "no gap" : kind;
   headline.reasons = {verdict["text"].text()};
   if (verdict["tie_breaker"]) headline.reasons.push_back(verdict["tie_breaker"].text());
-  Explain(GapMeanings(), kind, &headline);
+  Explain(GapMeanings(HasBoresight(gap) ? "boresight" : "trajectory"), kind, &headline);
   const Facts size = gap["gap"]["size_nats_per_obs"];
   const Facts units = gap["gap"]["user_units"];
   Table figures{"The gap", {"", ""}, {}};
@@ -87,11 +99,12 @@ Section Causes(const Facts& gap) {
   Table table{
       "",
       {"effect", "probability", "nats", "shift roll [mdeg]", "pitch", "yaw", "share absorbed",
-       "size"},
+       "usual sigmas", "size"},
       {},
       "Best explanation first. Shift: change of the boresight if the effect is present and not "
       "modelled. Share absorbed: the part that trajectory, biases and boresight absorb. It is "
-      "not visible in the residuals."};
+      "not visible in the residuals. Usual sigmas: size in sigmas of its prior; up to 4 it is a "
+      "tolerance of the sensor, beyond a fault."};
   for (const Facts& cause : gap["causes"].elements()) {
     const std::string name = cause["effect"].text();
     if (chart.bars.size() < kMaxCauses) {
@@ -102,6 +115,7 @@ Section Causes(const Facts& gap) {
                           cause["log_evidence"].Decimals(1)};
     for (const Cell& cell : Three(cause["boresight_damage_mdeg"], 2)) row.push_back(cell);
     row.push_back(cause["absorbed_fraction"].Decimals(2));
+    row.push_back(cause["prior_sigmas"].Decimals(1));
     row.push_back(Text(EffectSize(cause)));
     table.rows.push_back(std::move(row));
   }
@@ -111,6 +125,10 @@ Section Causes(const Facts& gap) {
   for (const Facts& one : gap["discrepancies"].elements()) {
     nameless.rows.push_back(
         Row(DiscrepancyName(one), {one["posterior"].Decimals(3), one["log_evidence"].Decimals(1)}));
+  }
+  if (gap["outside"]) {
+    nameless.rows.push_back(Row("something that is not in the library, altogether",
+                                {gap["outside"]["posterior"].Decimals(3), Text("")}));
   }
   if (!nameless.rows.empty()) section.contents.emplace_back(std::move(nameless));
   return section;
@@ -158,6 +176,23 @@ Section Closed(const Facts& gap) {
                   Row("to", {closed["interval_95"][1].Decimals(2)}),
                   Row("gain on held-out data [nats]", {closed["held_out_gain_nats"].Decimals(1)})};
   section.contents = {std::move(figures), std::move(table)};
+  return section;
+}
+
+Section Averaged(const Facts& gap) {
+  Section section{"Boresight over all hypotheses", {}};
+  const Facts averaged = gap["boresight_averaged"];
+  if (!averaged) return section;
+  Table table{"",
+              {"", "angle [deg]", "sigma [deg]"},
+              {},
+              "Mean over no effect, each effect and each discrepancy, by their probabilities. The "
+              "sigma contains what they differ by."};
+  for (std::size_t k = 0; k < 3; ++k) {
+    table.rows.push_back(Row(kRollPitchYaw[k], {averaged["angles_deg"][k].Decimals(5),
+                                                averaged["sigma_deg"][k].Decimals(5)}));
+  }
+  section.contents = {std::move(table)};
   return section;
 }
 
@@ -212,8 +247,9 @@ Document GapPage(const ResultFolder& folder) {
   const Facts gap = folder.Read("gap.json");
   Document document = Begin(folder, gap["flight"].text(), "do the data agree with the model?");
   document.headlines = {GapHeadline(gap)};
-  for (Section section : {Closed(gap), Causes(gap), UndetectableSection(gap["could_still_hide"]),
-                          Where(gap), TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
+  for (Section section :
+       {Closed(gap), Averaged(gap), Causes(gap), UndetectableSection(gap["could_still_hide"]),
+        Where(gap), TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
     Append(std::move(section), &document);
   }
   return document;

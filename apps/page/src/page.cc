@@ -36,6 +36,7 @@ Document OtherPage(const ResultFolder& folder) {
 namespace {
 
 Document PageWithoutRun(const ResultFolder& folder) {
+  if (folder.Read("result.json")["flights"]) return FleetPage(folder);
   if (!CalibrationsIn(folder).empty()) return CalibrationPage(folder);
   if (folder.Has("smooth.json")) return SmoothPage(folder);
   if (folder.Has("gap.json")) return GapPage(folder);

@@ -70,6 +70,23 @@ std::vector<Cell> Three(const Facts& list, int decimals, double scale) {
   return cells;
 }
 
+Table ContributionTable(const Facts& boresight, std::size_t most) {
+  Table table{"", {"effect", "roll [mdeg]", "pitch", "yaw", "smaller by"}, {}};
+  for (const Facts& part : boresight["contributions"].elements()) {
+    if (table.rows.size() == most) break;
+    std::vector<Cell> cells = Three(part["sigma_deg"], 2, 1e3);
+    cells.push_back(Text(part["remedy"].text()));
+    table.rows.push_back(Row(part["effect"].text(), std::move(cells)));
+  }
+  return table;
+}
+
+std::vector<Cell> PureModelRow(const Facts& boresight) {
+  std::vector<Cell> cells = Three(boresight["as_modelled"]["sigma_deg"], 2, 1e3);
+  cells.push_back(Text(""));
+  return Row("pure model", std::move(cells));
+}
+
 HeatMap Correlations(const std::string& title, const std::vector<std::string>& rows,
                      const std::vector<std::string>& columns, const Facts& matrix) {
   constexpr std::size_t kMostFields = 100'000;

@@ -2,6 +2,7 @@
 
 #include <dn/report/document.h>
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,6 +29,11 @@ std::vector<double> Column(const TextTable& table, std::size_t column, double mi
 
 /// Returns the curve with no more points than a screen can show.
 Curve OnScreen(const Curve& curve);
+
+/// Returns a table with a row for each contribution to a boresight, at most so many. PureModelRow
+/// has the sigmas of the pure model in the same columns.
+Table ContributionTable(const Facts& boresight, std::size_t most = SIZE_MAX);
+std::vector<Cell> PureModelRow(const Facts& boresight);
 
 /// Returns the section of the pairs: differences before and after per pair of strips, maps, and
 /// remaining differences by scan angle, range, heading and time. `suffix` is that of the file
@@ -75,7 +81,7 @@ void Append(Section section, Document* document);
 
 /// Meaning of a verdict for the reader.
 struct Meaning {
-  const char* answer;
+  std::string answer;
   Tone tone;
   std::vector<std::string> next;
 };
@@ -95,6 +101,8 @@ Table AdjustmentTable(const Facts& adjustment);
 
 // Pages of the commands.
 Document CalibrationPage(const ResultFolder& folder);
+/// Returns the page of a calibration with several flights.
+Document FleetPage(const ResultFolder& folder);
 Document SmoothPage(const ResultFolder& folder);
 Document GapPage(const ResultFolder& folder);
 Document StudyPage(const ResultFolder& folder);

@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
@@ -66,7 +67,7 @@ std::vector<EpochAccuracy> ReadSmrmsg(const fs::path& file) {
 }  // namespace
 
 AccuracySeries::AccuracySeries(const fs::path& file)
-    : file_(file), epochs_(file.extension() == ".out" ? ReadSmrmsg(file) : ReadText(file)) {}
+    : file_(file), epochs_(IsBinaryFile(file) ? ReadSmrmsg(file) : ReadText(file)) {}
 
 EpochAccuracy AccuracySeries::At(double t_s) const {
   const auto after =

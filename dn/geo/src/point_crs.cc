@@ -4,8 +4,11 @@
 
 #include <GeographicLib/TransverseMercator.hpp>
 #include <cmath>
+#include <memory>
 #include <optional>
-#include <regex>
+
+#include "crs_names.h"
+#include "projected_crs.h"
 
 namespace dn {
 namespace {
@@ -19,18 +22,6 @@ constexpr double kMostHeightM = 1e6;
 constexpr double kLeastRadiusM = 6.3e6, kMostRadiusM = 7.4e6;
 // Limit of coordinates in the tangent plane.
 constexpr double kMostMapM = 1e6;
-
-struct UtmZone {
-  int zone;
-  bool south;
-};
-
-std::optional<UtmZone> ParseUtm(const std::string& name) {
-  static const std::regex pattern("utm:([1-9]|[1-5][0-9]|60)([ns])");
-  std::smatch match;
-  if (!std::regex_match(name, match, pattern)) return std::nullopt;
-  return UtmZone{std::stoi(match[1]), match[2] == "s"};
-}
 
 [[noreturn]] void Fail(const std::string& what, const Eigen::Vector3d& p_c, const char* bounds) {
   throw InvalidInput("the point (" + FormatDouble(p_c.x()) + ", " + FormatDouble(p_c.y()) + ", " +
@@ -48,20 +39,24 @@ void CheckUtm(const Eigen::Vector3d& p_c) {
 
 }  // namespace
 
-bool IsPointCrsName(const std::string& name) {
-  return name == "map" || name == "ecef" || name == "none" || ParseUtm(name).has_value();
-}
-
-PointCrs::PointCrs(const std::string& name, const LocalFrame& frame) : name_(name), frame_(frame) {
-  if (name == "map") return;
-  if (name == "ecef") {
+PointCrs::PointCrs(const std::string& name, const LocalFrame& frame)
+    : name_(ShortCrsName(name)), frame_(frame) {
+  const geo_internal::CrsName parts = geo_internal::SplitCrsName(name_);
+  height_unit_m_ = parts.height_unit_m;
+  if (name_ == "map") return;
+  if (name_ == "ecef") {
     kind_ = Kind::kEcef;
     return;
   }
-  const std::optional<UtmZone> utm = ParseUtm(name);
+  if (const auto definition = geo_internal::ProjDefinition(parts.system)) {
+    kind_ = Kind::kProjected;
+    projected_ = std::make_shared<const geo_internal::ProjectedCrs>(*definition);
+    return;
+  }
+  const std::optional<geo_internal::UtmZone> utm = geo_internal::ParseUtm(parts.system);
   if (!utm) {
     throw InvalidConfig("'" + name + "' is not a coordinate system for points; use map, ecef, " +
-                        "utm:ZONEn or utm:ZONEs (for example utm:32n)");
+                        "utm:ZONEn, utm:ZONEs (for example utm:32n) or epsg:CODE");
   }
   kind_ = Kind::kUtm;
   central_meridian_deg_ = 6.0 * utm->zone - 183.0;
@@ -69,6 +64,22 @@ PointCrs::PointCrs(const std::string& name, const LocalFrame& frame) : name_(nam
 }
 
 Eigen::Vector3d PointCrs::ToMap(const Eigen::Vector3d& p_c) const {
+  return MetricToMap({p_c.x(), p_c.y(), p_c.z() * height_unit_m_});
+}
+
+Eigen::Vector3d PointCrs::FromMap(const Eigen::Vector3d& p_m) const {
+  Eigen::Vector3d p_c = MetricFromMap(p_m);
+  p_c.z() /= height_unit_m_;
+  return p_c;
+}
+
+Eigen::Matrix3d PointCrs::J_c_m(const Eigen::Vector3d& p_m) const {
+  Eigen::Matrix3d J = MetricJacobian(p_m);
+  J.row(2) /= height_unit_m_;
+  return J;
+}
+
+Eigen::Vector3d PointCrs::MetricToMap(const Eigen::Vector3d& p_c) const {
   switch (kind_) {
     case Kind::kUtm: {
       CheckUtm(p_c);
@@ -83,6 +94,11 @@ Eigen::Vector3d PointCrs::ToMap(const Eigen::Vector3d& p_c) const {
         Fail("ECEF", p_c, "where the centre of the Earth is 6.3e6 to 7.4e6 m away");
       }
       return frame_.R_me() * p_c - frame_.r0_m();
+    case Kind::kProjected: {
+      const std::optional<Geodetic> point = projected_->ToGeodetic(p_c);
+      if (!point) Fail("the coordinate system " + name_, p_c, "whose area does not contain it");
+      return frame_.ToMap(*point);
+    }
     case Kind::kMap:
       break;
   }
@@ -92,7 +108,7 @@ Eigen::Vector3d PointCrs::ToMap(const Eigen::Vector3d& p_c) const {
   return p_c;
 }
 
-Eigen::Vector3d PointCrs::FromMap(const Eigen::Vector3d& p_m) const {
+Eigen::Vector3d PointCrs::MetricFromMap(const Eigen::Vector3d& p_m) const {
   switch (kind_) {
     case Kind::kUtm: {
       const Geodetic point = frame_.ToGeodetic(p_m);
@@ -103,13 +119,21 @@ Eigen::Vector3d PointCrs::FromMap(const Eigen::Vector3d& p_m) const {
     }
     case Kind::kEcef:
       return frame_.R_me().transpose() * (frame_.r0_m() + p_m);
+    case Kind::kProjected: {
+      const auto p_c = projected_->FromGeodetic(frame_.ToGeodetic(p_m));
+      if (!p_c) {
+        throw InvalidInput("the flight lies outside of the coordinate system " + name_ +
+                           "; check strips_crs in flight.yaml");
+      }
+      return *p_c;
+    }
     case Kind::kMap:
       break;
   }
   return p_m;
 }
 
-Eigen::Matrix3d PointCrs::J_c_m(const Eigen::Vector3d& p_m) const {
+Eigen::Matrix3d PointCrs::MetricJacobian(const Eigen::Vector3d& p_m) const {
   switch (kind_) {
     case Kind::kUtm: {
       const Geodetic point = frame_.ToGeodetic(p_m);
@@ -125,10 +149,22 @@ Eigen::Matrix3d PointCrs::J_c_m(const Eigen::Vector3d& p_m) const {
     }
     case Kind::kEcef:
       return frame_.R_me().transpose();
+    case Kind::kProjected:
+      return DifferenceQuotients(p_m);
     case Kind::kMap:
       break;
   }
   return Eigen::Matrix3d::Identity();
+}
+
+Eigen::Matrix3d PointCrs::DifferenceQuotients(const Eigen::Vector3d& p_m) const {
+  constexpr double kStepM = 10.0;
+  Eigen::Matrix3d J;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = kStepM * Eigen::Vector3d::Unit(k);
+    J.col(k) = (MetricFromMap(p_m + step) - MetricFromMap(p_m - step)) / (2.0 * kStepM);
+  }
+  return J;
 }
 
 }  // namespace dn

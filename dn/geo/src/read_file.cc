@@ -2,6 +2,7 @@
 #include <dn/geo/read_file.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+constexpr std::size_t kSampleBytes = 4096;
 constexpr std::size_t kMostLineBytes = std::size_t{1} << 16;
 
 const char* KindName(fs::file_type type) {
@@ -87,7 +89,44 @@ std::string ReadWholeFile(const fs::path& file, std::uintmax_t max_bytes) {
   return content;
 }
 
-LineReader::LineReader(fs::path file) : file_(std::move(file)), in_(Open(file_, kMaxFileBytes)) {}
+std::string ReadBeginning(const fs::path& file, std::size_t bytes) {
+  std::ifstream in = Open(file, UINTMAX_MAX);
+  std::string text(bytes, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+bool IsUtf16(std::string_view beginning) {
+  const bool marked = beginning.starts_with("\xFF\xFE") || beginning.starts_with("\xFE\xFF");
+  const std::size_t pairs = beginning.size() / 2;
+  std::size_t zeros[2] = {0, 0};
+  for (std::size_t i = 0; i < 2 * pairs; ++i) zeros[i % 2] += beginning[i] == '\0' ? 1 : 0;
+  // The high bytes of ASCII characters are 0, and the low bytes are not.
+  const std::size_t least = marked ? pairs / 2 : pairs;
+  return pairs >= 4 &&
+         ((zeros[0] >= least && zeros[1] == 0) || (zeros[1] >= least && zeros[0] == 0));
+}
+
+bool IsBinary(std::string_view beginning) {
+  if (IsUtf16(beginning)) return false;
+  constexpr std::size_t kLeastShare = 10;
+  const auto high = std::count_if(beginning.begin(), beginning.end(),
+                                  [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
+  return beginning.find('\0') != std::string_view::npos ||
+         static_cast<std::size_t>(high) > beginning.size() / kLeastShare;
+}
+
+bool IsBinaryFile(const fs::path& file) { return IsBinary(ReadBeginning(file, kSampleBytes)); }
+
+LineReader::LineReader(fs::path file) : file_(std::move(file)), in_(Open(file_, kMaxFileBytes)) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  ReadMore();
+  if (IsUtf16(std::string_view(buffer_).substr(0, kSampleBytes))) {
+    throw InvalidInput("file is text in UTF-16; save it as UTF-8 or ASCII", {file_.string()});
+  }
+  if (buffer_.starts_with(kByteOrderMark)) begin_ = kByteOrderMark.size();
+}
 
 bool LineReader::ReadMore() {
   buffer_.erase(0, begin_);

@@ -1,6 +1,7 @@
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -13,8 +14,6 @@
 namespace dn {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /// Returns a quoted text for messages, shortened and with unprintable characters replaced.
@@ -26,6 +25,19 @@ std::string Quoted(std::string_view text) {
     quoted += printable ? c : '?';
   }
   return quoted + (text.size() > kMaxShown ? "...'" : "'");
+}
+
+/// Returns whether a text is one of the words that programs print for infinity and not-a-number:
+/// "NaN", "-1.#IND", "1.#QNAN00", "nan(ind)", "inf", "N/A", "null" and the like.
+bool IsNotFiniteWord(std::string_view text) {
+  std::string word;
+  for (const char c : text) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (word.starts_with('+') || word.starts_with('-')) word.erase(0, 1);
+  if (word.starts_with("1.#")) return true;
+  for (const char* name : {"nan", "qnan", "snan", "inf", "#n/a", "n/a", "#nan", "null"}) {
+    if (word.starts_with(name)) return true;
+  }
+  return word == "na" || word == "none";
 }
 
 /// Parses a finite number in plain notation, without the extensions that ParseNumber accepts.
@@ -53,7 +65,7 @@ class RowParser {
 
   void ParseLine(std::string_view text, long line) {
     line_ = line;
-    text_ = text.substr(0, std::min(text.find('#'), text.find(comment_)));
+    text_ = text.substr(0, CommentBegin(text));
     position_ = 0;
     SkipBlanks();
     if (AtEnd()) return;
@@ -64,6 +76,15 @@ class RowParser {
   }
 
  private:
+  // A comment begins where a value could begin. The '#' in "1.#QNAN" belongs to the value.
+  std::size_t CommentBegin(std::string_view text) const {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] != '#' && text[i] != comment_) continue;
+      if (i == 0 || text[i - 1] == ',' || IsBlank(text[i - 1])) return i;
+    }
+    return text.size();
+  }
+
   bool AtEnd() const { return position_ == text_.size(); }
   void SkipBlanks() {
     while (!AtEnd() && IsBlank(text_[position_])) ++position_;
@@ -154,6 +175,7 @@ double ParseNumber(std::string_view text, const FileLocation& where) {
                            "replace them, and decimal commas by points first",
                        where);
   }
+  if (IsNotFiniteWord(text)) throw InvalidInput(Quoted(text) + " is not a finite number", where);
   if (parsed_end != end || error == std::errc::invalid_argument) {
     throw InvalidInput(Quoted(text) + " is not a number; start comments and headers with #", where);
   }
@@ -177,9 +199,6 @@ bool TextTableReader::Next(std::size_t max_rows) {
   table_.lines.clear();
   RowParser parser(table_, allowed_columns_, comment_);
   for (std::string_view line; table_.rows() < max_rows && lines_.Next(&line);) {
-    if (lines_.line() == 1 && line.starts_with(kByteOrderMark)) {
-      line.remove_prefix(kByteOrderMark.size());
-    }
     parser.ParseLine(line, lines_.line());
   }
   if (table_.columns == 0) {

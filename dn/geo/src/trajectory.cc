@@ -1,9 +1,9 @@
 #include <dn/error.h>
+#include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -121,10 +121,7 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame) {
 }
 
 Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".out" || extension == ".sbet") return geo_internal::ReadSbet(file);
+  if (IsBinaryFile(file)) return geo_internal::ReadSbet(file);
   return geo_internal::ReadTrajectoryText(file, columns);
 }
 

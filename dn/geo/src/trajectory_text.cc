@@ -61,8 +61,9 @@ Eigen::Quaterniond ReadAttitude(const double* c, const TrajectoryColumns& column
 
 Trajectory ReadTrajectoryText(const std::filesystem::path& file, const TrajectoryColumns& columns) {
   const TextCoordinates positions(columns.crs, columns.map_origin, "trajectory.crs");
-  TextTable table =
-      ReadTextTable(file, {columns.has_quaternion() ? std::size_t{8} : std::size_t{7}});
+  const std::vector<std::string> quantities = TrajectoryQuantities(columns.has_quaternion());
+  TextTable table = columns.names.empty() ? ReadTextTable(file, {1 + quantities.size()})
+                                          : ReadNamedColumns(file, columns.names, quantities);
   std::vector<std::size_t> keep;
   TrajectoryNotes notes;
   notes.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
@@ -91,6 +92,11 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, const Trajector
 }
 
 }  // namespace geo_internal
+
+std::vector<std::string> TrajectoryQuantities(bool quaternions) {
+  if (quaternions) return {"lat", "lon", "h", "qw", "qx", "qy", "qz"};
+  return {"lat", "lon", "h", "roll", "pitch", "heading"};
+}
 
 std::string FormatTrajectoryText(const std::vector<NavPoint>& points) {
   std::string out;

@@ -181,6 +181,8 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
   addEventListener("beforeprint", () => {
     document.documentElement.classList.add("printing");
+    const today = new Date().toISOString().slice(0, 10);
+    document.querySelectorAll(".today").forEach((date) => { date.textContent = today; });
     document.querySelectorAll("details").forEach((details) => { details.open = true; });
     redraw();
     figures.forEach(drawFigure);

@@ -79,8 +79,10 @@ class Page {
     for (std::size_t k = 0; k < document.sections.size(); ++k) {
       body += Html(document.sections[k], k);
     }
-    body += "</main>\n<footer>\n" + Libraries() + "</footer>\n";
-    return Head(document) + "<body>\n" + body + Scripts() + "</body>\n</html>\n";
+    body += Certificate(document) + "</main>\n<footer>\n" + Libraries() + "</footer>\n";
+    return Head(document) +
+           (document.certificate.empty() ? "<body>\n" : "<body class=\"certified\">\n") + body +
+           Scripts() + "</body>\n</html>\n";
   }
 
  private:
@@ -133,6 +135,17 @@ class Page {
     text += List("Why", headline.reasons) + "</div>\n<div>\n";
     for (const Table& table : headline.figures) text += Html(table);
     return text + List("What to do next", headline.next) + "</div>\n</section>\n";
+  }
+
+  std::string Certificate(const Document& document) {
+    if (document.certificate.empty()) return "";
+    std::string text = "<div class=\"certificate\">\n";
+    for (std::size_t k = 0; k < document.certificate.size(); ++k) {
+      text += Html(document.certificate[k], document.sections.size() + k);
+    }
+    return text + Element("p", document.subtitle) +
+           "<p>Date <span class=\"today\">____________</span> Signature "
+           "________________________</p>\n</div>\n";
   }
 
   static std::string List(const char* title, const std::vector<std::string>& items) {

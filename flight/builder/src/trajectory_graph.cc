@@ -129,6 +129,12 @@ MapPose TrajectoryGraph::NodePose(std::size_t k) const {
   return {node.t_s, net_.Value(node.q_mb), net_.Value(node.p_mb), net_.Value(node.v_m)};
 }
 
+std::vector<MapPose> TrajectoryGraph::NodePoses() const {
+  std::vector<MapPose> poses;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) poses.push_back(NodePose(k));
+  return poses;
+}
+
 Eigen::Vector3d TrajectoryGraph::GyroBias(double t_s) const {
   return SumProcesses(net_, gyro_bias_, t_s);
 }

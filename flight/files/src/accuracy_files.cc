@@ -1,12 +1,13 @@
 #include <dn/error.h>
 #include <dn/files/accuracy_files.h>
+#include <dn/geo/read_file.h>
 
-#include <cctype>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "is_there.h"
+#include "lower_case.h"
 
 namespace dn {
 namespace {
@@ -16,24 +17,25 @@ namespace fs = std::filesystem;
 constexpr const char* kCovarianceName = "trajectory_covariance.txt";
 constexpr const char* kSigmaName = "trajectory_sigma.txt";
 
-std::string Lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
+/// Returns whether a file is named like an smrmsg file and is not text. Its ending does not matter.
+bool IsSmrmsg(const fs::path& file) {
+  std::error_code none;
+  return files_internal::LowerCase(file.filename().string()).find("smrmsg") != std::string::npos &&
+         fs::is_regular_file(file, none) && (fs::is_empty(file, none) || IsBinaryFile(file));
 }
 
-/// Returns the smrmsg file of POSPac in a folder: for "sbet_<name>.out" it is "smrmsg_<name>.out",
-/// otherwise the only smrmsg file.
+/// Returns the smrmsg file of POSPac in a folder: for "sbet_<name>" it is "smrmsg_<name>" with any
+/// ending, otherwise the only smrmsg file.
 std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
-  std::string partner = Lower(trajectory.filename().string());
+  std::string partner = files_internal::LowerCase(trajectory.stem().string());
   const std::size_t at = partner.find("sbet");
   if (at != std::string::npos) partner.replace(at, 4, "smrmsg");
   std::vector<fs::path> found;
   std::error_code none;
   const fs::path folder = trajectory.has_parent_path() ? trajectory.parent_path() : fs::path(".");
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
-    const std::string name = Lower(entry.path().filename().string());
-    if (entry.path().extension() != ".out" || name.find("smrmsg") == std::string::npos) continue;
-    if (name == partner) return entry.path();
+    if (!IsSmrmsg(entry.path())) continue;
+    if (files_internal::LowerCase(entry.path().stem().string()) == partner) return entry.path();
     found.push_back(entry.path());
   }
   if (found.size() > 1) {

@@ -26,6 +26,9 @@ inline void FlipBody(Eigen::Matrix3d* R_b) {
 /// The functions named Read...Section read the sections of flight.yaml. body_is_flu: body
 /// quantities of the file are forward-left-up.
 ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu);
+/// Reads the key `columns` of a section; empty if it is absent. Throws InvalidConfig for a name of
+/// none of the quantities.
+ColumnNames ReadColumnNames(const YamlValue& section, const std::vector<std::string>& quantities);
 /// Reads the coordinate system of a text file.
 std::string ReadTextCrs(const YamlValue& crs);
 /// Reads the key `north`. Returns true for grid north, which requires positions in a grid.

@@ -29,7 +29,8 @@ FileLocation MaxGapLocation(const fs::path& file) {
 
 GnssData ReadGnssFile(const FlightConfig& config) {
   const GnssConfig& gnss = *config.gnss;
-  const GnssColumns columns{TextCoordinates(gnss.crs, config.origin, "gnss.crs"), gnss.grid_north};
+  const GnssColumns columns{TextCoordinates(gnss.crs, config.origin, "gnss.crs"), gnss.grid_north,
+                            gnss.columns};
   return ReadGnss(config.folder / gnss.file, gnss.format, gnss.time_offset_s, columns);
 }
 
@@ -117,6 +118,7 @@ class FolderReader {
     first_gnss_ = gnss.epochs.front().antenna;
     Count("gnss repeated rows", gnss.repeated_rows_dropped);
     Count("gnss sentences without a fix", gnss.unusable_sentences);
+    for (const auto& [reason, rows] : gnss.counts) Count(reason, rows);
     KeepGnssInside(file, gnss);
     flight_.counts["gnss epochs"] = static_cast<long>(gnss.epochs.size());
     gnss_ = std::move(gnss);
@@ -152,9 +154,12 @@ class FolderReader {
     Count(reason, static_cast<long>(std::erase_if(gnss.epochs, [&](const GnssEpoch& epoch) {
             return !covered.InSpan(epoch.t_s);
           })));
-    const std::string unit = 2 * gnss.epochs.size() < all
-                                 ? TimeUnitHint(middle_s, covered.t_begin_s, covered.t_end_s)
-                                 : std::string();
+    std::string unit;
+    if (gnss.epochs.empty()) {
+      unit = files_internal::ClockHint(middle_s, covered, "gnss");
+    } else if (2 * gnss.epochs.size() < all) {
+      unit = TimeUnitHint(middle_s, covered.t_begin_s, covered.t_end_s);
+    }
     if (gnss.epochs.empty() || !unit.empty()) {
       throw InvalidInput(
           (gnss.epochs.empty() ? "no GNSS epoch lies inside " : "most GNSS epochs lie outside ") +

@@ -1,5 +1,7 @@
 #include <dn/error.h>
+#include <dn/files/across.h>
 #include <dn/files/flight_config.h>
+#include <dn/files/strip_files.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/read_file.h>
 #include <dn/names.h>
@@ -70,9 +72,11 @@ StripInterval ReadStrip(const YamlValue& item) {
 std::string ReadCrs(const YamlValue& value) {
   std::string crs = ReadName(value);
   if (!IsPointCrsName(crs)) {
-    value.Fail("'" + crs + "' is not one of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
+    value.Fail("'" + crs +
+               "' is not one of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, epsg:CODE (as "
+               "epsg:2056), none");
   }
-  return crs;
+  return ShortCrsName(crs);
 }
 
 GhConfig ReadGh(const YamlValue& section) {
@@ -135,21 +139,23 @@ std::string FolderName(const fs::path& folder) {
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
   root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
-                  "imu", "gnss", "lidar", "trajectory", "gh", "unmodelled", "estimate", "network",
-                  "unexplained"});
+                  "imu", "gnss", "lidar", "trajectory", "gh", "unmodelled", "estimate", "across",
+                  "network", "unexplained"});
   FlightConfig config;
   config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(files_internal::BodyWords());
   config.origin = ReadFrame(root["frame"]);
   config.time_span_s = ReadSpan(root["time_span_s"]);
   config.strips = ReadStrips(root["strips"]);
-  if (root["strips_crs"]) config.strips_crs = ReadCrs(root["strips_crs"]);
+  config.strips_crs_stated = static_cast<bool>(root["strips_crs"]);
+  if (config.strips_crs_stated) config.strips_crs = ReadCrs(root["strips_crs"]);
   ReadSensors(root, config);
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["unmodelled"]) {
     config.unmodelled = files_internal::ReadUnmodelled(root["unmodelled"]);
   }
   if (root["estimate"]) config.estimate = files_internal::ReadEstimate(root["estimate"]);
+  ParseAcross(root["across"]);  // belongs to several flights; here it is only checked
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
@@ -188,7 +194,17 @@ TrajectoryColumns TextColumns(const FlightConfig& config) {
 FlightConfig ReadFlightConfig(const fs::path& folder_or_file,
                               const std::vector<std::string>& changes) {
   const fs::path file = ConfigFile(folder_or_file);
-  return ParseFile(WithYamlChanges(ReadText(file), changes, "gnss.sigma_scale=2"), file);
+  FlightConfig config =
+      ParseFile(WithYamlChanges(ReadText(file), changes, "gnss.sigma_scale=2"), file);
+  if (config.strips_crs_stated) return config;
+  const std::string stated = FindStripsCrs(config.folder);
+  if (!stated.empty()) config.strips_crs = stated;
+  return config;
+}
+
+AcrossConfig ReadAcross(const std::filesystem::path& folder_or_file) {
+  const fs::path file = ConfigFile(folder_or_file);
+  return ParseAcross(ParseYaml(ReadText(file), file.string())["across"]);
 }
 
 }  // namespace dn

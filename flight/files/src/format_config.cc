@@ -45,6 +45,10 @@ class Writer {
   std::string text_;
 };
 
+void WriteColumns(const ColumnNames& names, Writer& out) {
+  if (!names.empty()) out.Key(1, "columns", FormatColumnNames(names));
+}
+
 void WriteStrips(const std::vector<StripInterval>& strips, Writer& out) {
   if (strips.empty()) return out.Key(0, "strips", "~");
   out.Line(0, "strips:");
@@ -94,13 +98,22 @@ void WriteVibration(const std::vector<ImuVibration>& vibration, Writer& out) {
   }
 }
 
+/// Returns the word of a unit, else its size.
+std::string UnitText(double unit, const files_internal::Words<double>& words) {
+  for (const auto& [word, value] : words) {
+    if (value == unit) return word;
+  }
+  return Number(unit);
+}
+
 void WriteImu(const ImuConfig& imu, Writer& out) {
   out.Line(0, "imu:");
   out.Key(1, "file", QuoteYaml(imu.file));
   out.Key(1, "format", FindWord(imu.read.format, files_internal::ImuFormatWords()));
+  WriteColumns(imu.read.columns, out);
   out.Key(1, "sampling", FindWord(imu.read.sampling, files_internal::ImuSamplingWords()));
-  out.Key(1, "rate_unit", FindWord(imu.read.rate_unit_radps, files_internal::RateUnitWords()));
-  out.Key(1, "force_unit", FindWord(imu.read.force_unit_mps2, files_internal::ForceUnitWords()));
+  out.Key(1, "rate_unit", UnitText(imu.read.rate_unit_radps, files_internal::RateUnitWords()));
+  out.Key(1, "force_unit", UnitText(imu.read.force_unit_mps2, files_internal::ForceUnitWords()));
   out.Key(1, "R_imu_to_body", Matrix(imu.read.R_imu_to_body));
   out.Key(1, "time_offset_s", Number(imu.read.time_offset_s));
   out.Key(1, "max_gap_s", Number(imu.read.max_gap_s));
@@ -122,6 +135,7 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Line(0, "gnss:");
   out.Key(1, "file", QuoteYaml(gnss.file));
   out.Key(1, "format", FindWord(gnss.format, files_internal::GnssFormatWords()));
+  WriteColumns(gnss.columns, out);
   out.Key(1, "time_offset_s", Number(gnss.time_offset_s));
   out.Key(1, "crs", gnss.crs);
   out.Key(1, "north", FindWord(gnss.grid_north, files_internal::NorthWords()));
@@ -167,6 +181,7 @@ void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Line(0, "trajectory:");
   out.Key(1, "file", QuoteYaml(trajectory.file));
   const TrajectoryColumns& columns = trajectory.columns;
+  WriteColumns(columns.names, out);
   out.Key(1, "crs", QuoteYaml(columns.crs));
   out.Key(1, "attitude", FindWord(columns.attitude, files_internal::AttitudeWords()));
   out.Key(1, "north", FindWord(columns.grid_north, files_internal::NorthWords()));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "strip_clock.h"
 #include "strip_path.h"
 
 namespace dn {
@@ -59,7 +60,8 @@ struct StripGeoreferencer::Setup {
 /// The work on one strip, from the input to the output file.
 class StripGeoreferencer::Work {
  public:
-  Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {
+  Work(const Setup& setup, const fs::path& in)
+      : setup_(setup), in_(in), reader_(OpenStrip(in)), clock_(reader_->has_vectors()) {
     files_internal::ExpectTimes(*reader_, in);
     result_.origin = FindVectorOrigin(*reader_, setup_.options.made_with, in_);
     made_with_ = setup_.options.made_with.mounting;
@@ -76,6 +78,7 @@ class StripGeoreferencer::Work {
       progress(result_.points);
     }
     ExpectPoints();
+    clock_.ExpectAgreement(setup_.options.time_offset_s, Where());
     result_.shift_rms_m = std::sqrt(shift2_m2_ / static_cast<double>(result_.kept));
     writer->Finish();
     result_.swath = {"", Line(), outline_.Corners()};
@@ -108,6 +111,7 @@ class StripGeoreferencer::Work {
   void Renew(StripCloud* points) {
     const std::size_t n = points->size();
     p_m_.resize(n);
+    old_m_.resize(n);
     fates_.assign(n, PointFate::kKept);
     shifts_m_.assign(n, 0.0);
     if (setup_.options.errors) points->covariance_c_m2.resize(n);
@@ -126,7 +130,7 @@ class StripGeoreferencer::Work {
     fates_[i] = setup_.paths.FindFate(t_s, reader_->has_vectors());
     if (fates_[i] != PointFate::kKept) return;
     try {
-      const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
+      const Vector3d old_m = old_m_[i] = setup_.crs.ToMap(points->p_c[i]);
       const MapPose pose = setup_.paths.wanted().At(t_s);
       const Vector3d u_s = reader_->has_vectors()
                                ? points->u_s[i]
@@ -157,8 +161,16 @@ class StripGeoreferencer::Work {
       outline_.Add(points.t_s[i], p_m_[i]);
       shift2_m2_ += shifts_m_[i] * shifts_m_[i];
       result_.shift_max_m = std::max(result_.shift_max_m, shifts_m_[i]);
+      if (result_.kept % files_internal::StripClock::kPointsPerSample == 1)
+        TakeClock(points.t_s[i], i);
     }
     result_.points += points.size();
+  }
+
+  void TakeClock(double tag_s, std::size_t i) {
+    const files_internal::StripPath& path =
+        reader_->has_vectors() ? setup_.paths.wanted() : setup_.paths.maker();
+    clock_.Take(path.At(tag_s - setup_.options.time_offset_s), old_m_[i], p_m_[i]);
   }
 
   void ExpectPoints() const {
@@ -178,7 +190,8 @@ class StripGeoreferencer::Work {
   double shift2_m2_ = 0.0;
   std::vector<PointFate> fates_;
   std::vector<double> shifts_m_;
-  std::vector<Vector3d> p_m_;
+  std::vector<Vector3d> p_m_, old_m_;
+  files_internal::StripClock clock_;
   SwathOutline outline_;
 };
 

@@ -55,7 +55,7 @@ double ReadTimeOffset(const YamlValue& section) {
 }
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"file", "format", "crs", "north", "time_offset_s", "lever_arm_m",
+  section.ExpectMap({"file", "format", "columns", "crs", "north", "time_offset_s", "lever_arm_m",
                      "sigma_enu_m", "sigma_scale", "use_velocity", "processes", "robust"});
   GnssConfig gnss;
   if (section["file"]) gnss.file = section["file"].Text();
@@ -65,6 +65,10 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   const bool own = gnss.format == GnssFormat::kRtklib || gnss.format == GnssFormat::kNmea;
   if (own && gnss.crs != "geographic") {
     section["crs"].Fail("files of rtklib and nmea define their coordinates themselves; remove crs");
+  }
+  gnss.columns = ReadColumnNames(section, GnssQuantities());
+  if (!gnss.columns.empty() && gnss.format != GnssFormat::kOdyn) {
+    section["columns"].Fail("only files of format odyn have named columns; remove columns");
   }
   gnss.time_offset_s = ReadTimeOffset(section);
   if (section["lever_arm_m"]) {

@@ -1,5 +1,7 @@
 #include <dn/error.h>
 #include <dn/files/effect_times.h>
+#include <dn/geo/text_fields.h>
+#include <dn/imu/unknown_imu.h>
 #include <dn/names.h>
 
 #include <filesystem>
@@ -69,6 +71,11 @@ bool SameNoise(const SensorNoise& a, const SensorNoise& b) {
   return true;
 }
 
+/// Reads a word, or the size of one unit as a number.
+double ReadUnit(const YamlValue& value, const Words<double>& words) {
+  return FieldNumber(value.Text()) ? ReadPositive(value) : value.Choice(words);
+}
+
 ImuVibration ReadVibration(const YamlValue& item) {
   item.ExpectMap({"window_s", "sigma_gyro_deg_s", "sigma_accel_m_s2"});
   if (!item["window_s"]) item["window_s"].Fail("is missing");
@@ -99,17 +106,19 @@ const ProcessKeys& AccelKeys() {
 }
 
 ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"file", "format", "sampling", "rate_unit", "force_unit", "R_imu_to_body",
-                     "time_offset_s", "max_gap_s", "grade", "gyro", "accel", "vibration"});
+  section.ExpectMap({"file", "format", "columns", "sampling", "rate_unit", "force_unit",
+                     "R_imu_to_body", "time_offset_s", "max_gap_s", "grade", "gyro", "accel",
+                     "vibration"});
   ImuConfig imu;
   if (section["file"]) imu.file = section["file"].Text();
   if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
+  imu.read.columns = ReadColumnNames(section, ImuQuantities());
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
   if (section["rate_unit"]) {
-    imu.read.rate_unit_radps = section["rate_unit"].Choice(RateUnitWords());
+    imu.read.rate_unit_radps = ReadUnit(section["rate_unit"], RateUnitWords());
   }
   if (section["force_unit"]) {
-    imu.read.force_unit_mps2 = section["force_unit"].Choice(ForceUnitWords());
+    imu.read.force_unit_mps2 = ReadUnit(section["force_unit"], ForceUnitWords());
   }
   if (section["R_imu_to_body"]) imu.read.R_imu_to_body = ReadRotation(section["R_imu_to_body"]);
   if (body_is_flu) FlipBody(&imu.read.R_imu_to_body);
@@ -135,7 +144,8 @@ ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key) {
   if (named) {
     const std::string name = ReadName(named);
     try {
-      preset = ImuPreset(name);
+      const bool unknown = preset_key == "grade" && name == kUnknownGrade;
+      preset = unknown ? UnknownImu() : ImuPreset(name);
     } catch (const InvalidConfig& e) {
       named.Fail(e.what());
     }

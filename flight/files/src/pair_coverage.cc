@@ -2,6 +2,7 @@
 
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
+#include <dn/geo/text_table.h>
 #include <dn/geo/week_seconds.h>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ FileLocation PairLocation(const LidarPair& pair, const PairData& data) {
 
 [[noreturn]] void FailOutside(double t_s, const char* epoch, const LidarPair& pair,
                               const PairData& data, const CoveredTime& covered) {
-  const std::string unit = TimeUnitHint(t_s, covered.t_begin_s, covered.t_end_s);
+  const std::string unit = ClockHint(t_s, covered, "lidar");
   throw InvalidInput(
       std::string("pair epoch ") + epoch + " = " + Seconds(t_s) + " s lies outside " +
           covered.what + " (" + SpanText(covered.t_begin_s, covered.t_end_s) + ")" +
@@ -53,6 +54,25 @@ const ImuGap* PairGap(const LidarPair& pair, const CoveredTime& covered) {
 }
 
 }  // namespace
+
+std::string ClockHint(double t_s, const CoveredTime& covered, const std::string& key) {
+  const std::string unit = TimeUnitHint(t_s, covered.t_begin_s, covered.t_end_s);
+  if (!unit.empty() || covered.InSpan(t_s)) return unit;
+  constexpr double kHourS = 3600.0;
+  constexpr int kMostHours = 6 * 24, kMostZone = 14;
+  for (int hours = 1; hours <= kMostHours; ++hours) {
+    if (hours > kMostZone && hours % 24 != 0) continue;
+    for (const double shift_s : {hours * kHourS, -hours * kHourS}) {
+      if (!covered.InSpan(t_s + shift_s)) continue;
+      const std::string by = hours % 24 == 0 && hours > 24 ? std::to_string(hours / 24) + " days"
+                                                           : std::to_string(hours) + " hours";
+      return "; it would lie inside " + by + (shift_s > 0.0 ? " later" : " earlier") +
+             ": check the time zone and the day, or set " + key +
+             ".time_offset_s: " + FormatDouble(-shift_s);
+    }
+  }
+  return {};
+}
 
 std::string SpanText(double t_begin_s, double t_end_s) {
   return Seconds(t_begin_s) + " .. " + Seconds(t_end_s) + " s";

@@ -48,6 +48,11 @@ void ExpectInSpan(const PairData& data, const CoveredTime& covered);
 /// more than half of all pairs, because the time systems then differ or the data are unusable.
 long DropInGaps(const CoveredTime& covered, PairData& data);
 
+/// Returns a hint for a time outside the span: its unit (TimeUnitHint), or the whole hours or days
+/// that would put it inside. Returns an empty string if nothing does. key: the section of
+/// time_offset_s.
+std::string ClockHint(double t_s, const CoveredTime& covered, const std::string& key);
+
 /// Returns a span as text: "381253.970 .. 381646.750 s".
 std::string SpanText(double t_begin_s, double t_end_s);
 

@@ -1,12 +1,14 @@
 #include <dn/error.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/point_crs.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
+
+#include "lower_case.h"
 
 namespace dn {
 namespace {
@@ -14,10 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsStripName(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending == ".las" || ending == ".laz" || ending == ".txt";
+  const std::string ending = files_internal::LowerCase(file.extension().string());
+  return ending == ".las" || ending == ".laz" || ending == ".txt" || ending == ".csv";
 }
 
 constexpr double kSameAngleRad = 1e-6 * kRadPerDeg;
@@ -91,28 +91,43 @@ std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
                           const fs::path& file) {
   const FileLocation where{file.string()};
   if (strips_crs == "none") return {};
-  if (!said.name.empty() && said.name != strips_crs) {
+  if (!said.name.empty() && !IsSameCrs(said.name, strips_crs)) {
     throw InvalidConfig("the points are in " + CrsName(said) +
                             ", but strips_crs of flight.yaml is " + strips_crs +
-                            "; write strips_crs: " + said.name,
+                            "; write strips_crs: " + said.name + ", or remove the key",
                         where);
   }
   if (said.name.empty() && said.epsg && strips_crs == "map") {
     throw InvalidConfig(
         "the points are in " + CrsName(said) +
-            ", but strips_crs of flight.yaml is map; convert them to UTM or ECEF on "
-            "WGS84, and write strips_crs: utm:ZONEn or ecef",
+            ", but strips_crs of flight.yaml is map; convert them to UTM or another projected "
+            "system, and write strips_crs: utm:ZONEn or epsg:CODE",
         where);
   }
   if (said.heights_from_geoid) {
     return "by the header of " + file.filename().string() +
-           ", its heights refer to a vertical datum; they are used as ellipsoidal heights";
+           ", its heights refer to a vertical datum; they are used as ellipsoidal heights" +
+           (said.why_not.empty() ? "" : " (" + said.why_not + ")");
   }
   if (said.name.empty() && said.epsg) {
     return "by the header of " + file.filename().string() + ", its points are in " + CrsName(said) +
            "; they are used as " + strips_crs;
   }
   return {};
+}
+
+std::string FindStripsCrs(const fs::path& flight_folder) {
+  std::string found;
+  for (const fs::path& file : FindStripFiles(flight_folder)) {
+    try {
+      const std::string name = OpenStrip(file)->crs().name;
+      if (name.empty() || (!found.empty() && !IsSameCrs(name, found))) return {};
+      found = name;
+    } catch (const std::exception&) {
+      return {};  // reading the strips will name the damage
+    }
+  }
+  return found;
 }
 
 }  // namespace dn

@@ -54,7 +54,7 @@ void ExpectTimes(const StripReader& reader, const std::filesystem::path& file) {
 
 std::string NothingLeft(const std::string& reason, double t_begin_s, double t_end_s,
                         const CoveredTime& covered) {
-  const std::string unit = TimeUnitHint(t_begin_s, covered.t_begin_s, covered.t_end_s);
+  const std::string unit = ClockHint(0.5 * (t_begin_s + t_end_s), covered, "lidar");
   return "no point can be georeferenced: all lie " + reason + ": the strip covers " +
          SpanText(t_begin_s, t_end_s) + ", the trajectory " +
          SpanText(covered.t_begin_s, covered.t_end_s) +

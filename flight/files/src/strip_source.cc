@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "strip_clock.h"
 #include "strip_path.h"
 
 namespace dn {
@@ -60,6 +61,7 @@ StripCounts StripSource::Read(const fs::path& file,
   counts.t_end_s = -counts.t_begin_s;
   double all_begin_s = counts.t_begin_s, all_end_s = counts.t_end_s;
   LaserVectors vectors;
+  files_internal::StripClock clock(reader->has_vectors());
   for (StripCloud points; reader->Next(&points);) {
     vectors.t_s.clear();
     vectors.u_s.clear();
@@ -87,6 +89,12 @@ StripCounts StripSource::Read(const fs::path& file,
       }
       counts.t_begin_s = std::min(counts.t_begin_s, vectors.t_s.back());
       counts.t_end_s = std::max(counts.t_end_s, vectors.t_s.back());
+      if (vectors.size() % files_internal::StripClock::kPointsPerSample == 1) {
+        const MapPose pose =
+            (reader->has_vectors() ? setup_->paths.wanted() : setup_->paths.maker()).At(t_s);
+        clock.Take(pose, setup_->crs.ToMap(points.p_c[i]),
+                   Georeference(pose, mounting, vectors.u_s.back()));
+      }
     }
     counts.kept += vectors.size();
     if (vectors.size() > 0) take(vectors);
@@ -97,6 +105,7 @@ StripCounts StripSource::Read(const fs::path& file,
                                                    all_end_s, setup_->paths.wanted().covered),
                        where);
   }
+  clock.ExpectAgreement(setup_->time_offset_s, where);
   return counts;
 }
 

@@ -20,8 +20,10 @@ using Attitude = TrajectoryColumns::Attitude;
 constexpr double kLeastSpeedMps = 3.0;
 constexpr double kLeastMoveM = 1.0;
 // The heading differs from the course by at most this (wind and mounting of the sensor included) in
-// at least this share of the rows.
-constexpr double kNearCourse = std::numbers::pi / 4.0, kMostRows = 0.7;
+// at least kLeastCourseAgreement of the rows.
+constexpr double kNearCourse = std::numbers::pi / 4.0;
+// Cosine of the largest mean tilt of an aircraft or a vehicle: 60 deg.
+constexpr double kLeastUpright = 0.5;
 constexpr std::size_t kFewestRows = 20;
 constexpr double kMostHeightM = 2e4;
 constexpr double kLeastEarthRadiusM = 6.33e6, kMostEarthRadiusM = 6.40e6;
@@ -120,7 +122,7 @@ bool EndsWithUnitQuaternion(const TextTable& table) {
 /// agrees for none of the two.
 std::optional<Attitude> ByCourse(const TextTable& table, const std::string& crs,
                                  const std::array<Attitude, 2>& conventions) {
-  double most = kMostRows;
+  double most = kLeastCourseAgreement;
   std::optional<Attitude> best;
   for (const Attitude convention : conventions) {
     const double share = ShareNearCourse(table, crs, convention).value_or(0.0);
@@ -131,13 +133,24 @@ std::optional<Attitude> ByCourse(const TextTable& table, const std::string& crs,
   return best;
 }
 
-bool PointsUp(const TextTable& table, Attitude convention) {
+/// Returns the mean third component of the body's z axis for an attitude in quaternions.
+double MeanUpright(const TextTable& table) {
   double z = 0.0;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* q = table.row(i) + 4;
     z += (Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * Eigen::Vector3d::UnitZ()).z();
   }
+  return z / static_cast<double>(table.rows());
+}
+
+bool PointsUp(const TextTable& table, Attitude convention) {
+  const double z = MeanUpright(table);
   return convention == Attitude::kQuaternionEnu ? z > 0.0 : z < 0.0;
+}
+
+std::array<Attitude, 2> Conventions(bool quaternions) {
+  if (quaternions) return {Attitude::kQuaternionNed, Attitude::kQuaternionEnu};
+  return {Attitude::kRollPitchHeading, Attitude::kRollPitchYawEnu};
 }
 
 }  // namespace
@@ -157,14 +170,23 @@ std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table) {
   if (!crs) return quaternions ? std::optional(TrajectoryColumns{}) : std::nullopt;
   TrajectoryColumns columns;
   columns.crs = *crs;
-  const std::optional<Attitude> moving =
-      quaternions
-          ? ByCourse(table, *crs, {Attitude::kQuaternionNed, Attitude::kQuaternionEnu})
-          : ByCourse(table, *crs, {Attitude::kRollPitchHeading, Attitude::kRollPitchYawEnu});
+  const std::optional<Attitude> moving = ByCourse(table, *crs, Conventions(quaternions));
   if (!moving && !quaternions) return std::nullopt;
   columns.attitude = moving.value_or(Attitude::kQuaternionNed);
   columns.body_is_flu = quaternions && PointsUp(table, columns.attitude);
   return columns;
+}
+
+std::optional<double> CourseAgreement(const TextTable& table) {
+  const bool quaternions = table.columns == 8;
+  const std::optional<std::string> crs = FindCoordinateSystem(table);
+  if (!crs || (quaternions && std::abs(MeanUpright(table)) < kLeastUpright)) return std::nullopt;
+  std::optional<double> most;
+  for (const Attitude convention : Conventions(quaternions)) {
+    const std::optional<double> share = ShareNearCourse(table, *crs, convention);
+    if (share && share > most) most = share;
+  }
+  return most;
 }
 
 }  // namespace dn::files_internal

@@ -20,4 +20,12 @@ std::optional<std::string> FindCoordinateSystem(const TextTable& table);
 /// or north-east-down without motion. The body is FLU if its z axis points up.
 std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table);
 
+/// Returns the share of the moving rows whose heading is near the course, for the better convention
+/// of the columns of FindTrajectoryColumns and an upright body. Returns nullopt if too few rows
+/// move.
+std::optional<double> CourseAgreement(const TextTable& table);
+
+/// Least course agreement of an attitude.
+inline constexpr double kLeastCourseAgreement = 0.7;
+
 }  // namespace dn::files_internal

@@ -5,6 +5,20 @@
 
 namespace dn::files_internal {
 
+ColumnNames ReadColumnNames(const YamlValue& section, const std::vector<std::string>& quantities) {
+  constexpr std::size_t kMostColumns = 1000;
+  const YamlValue list = section["columns"];
+  ColumnNames names;
+  if (!list) return names;
+  for (const YamlValue& name : list.List(kMostColumns)) names.push_back(name.Text());
+  try {
+    CheckColumnNames(names, quantities);
+  } catch (const InvalidInput& error) {
+    list.Fail(error.what());
+  }
+  return names;
+}
+
 std::string ReadTextCrs(const YamlValue& crs) {
   std::string name = ReadName(crs);
   if (!TextCoordinates::IsName(name)) {
@@ -29,14 +43,15 @@ TrajectoryColumns ReadColumns(const YamlValue& section) {
   if (section["crs"]) columns.crs = ReadTextCrs(section["crs"]);
   if (section["attitude"]) columns.attitude = section["attitude"].Choice(AttitudeWords());
   if (section["north"]) columns.grid_north = ReadNorth(section["north"], columns.crs);
+  columns.names = ReadColumnNames(section, TrajectoryQuantities(columns.has_quaternion()));
   return columns;
 }
 
 }  // namespace
 
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section) {
-  section.ExpectMap({"file", "crs", "attitude", "north", "sigma_xy_m", "sigma_z_m", "sigma_rp_deg",
-                     "sigma_y_deg", "sigma_file"});
+  section.ExpectMap({"file", "columns", "crs", "attitude", "north", "sigma_xy_m", "sigma_z_m",
+                     "sigma_rp_deg", "sigma_y_deg", "sigma_file"});
   TrajectoryConfig trajectory;
   if (section["file"]) trajectory.file = section["file"].Text();
   trajectory.columns = ReadColumns(section);

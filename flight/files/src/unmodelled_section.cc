@@ -1,3 +1,5 @@
+#include <dn/imu/unknown_imu.h>
+
 #include "config_sections.h"
 
 namespace dn {
@@ -29,7 +31,8 @@ namespace {
 
 SensorClass FindClass(const std::optional<ImuConfig>& imu) {
   if (!imu) return SensorClass::kNavigation;
-  return imu->grade ? ClassByDataSheet(ImuPreset(*imu->grade).gyro.white)
+  const bool data_sheet = imu->grade && *imu->grade != kUnknownGrade;
+  return data_sheet ? ClassByDataSheet(ImuPreset(*imu->grade).gyro.white)
                     : ClassInFlight(imu->model.gyro.white);
 }
 

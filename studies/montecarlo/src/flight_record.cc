@@ -57,31 +57,41 @@ void SetErrors(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance,
   out->sigmas[quantity] = error.cwiseQuotient(covariance.diagonal().cwiseSqrt());
 }
 
-/// Pose of a node with its covariance: map axes, attitude about the body axes.
+/// Pose and total biases at a node with their covariances: map axes, attitude about the body axes.
 struct NodeEstimate {
   MapPose pose;
-  Eigen::Matrix3d C_p, C_v, C_q;
+  Eigen::Vector3d gyro_bias_radps, accel_bias_mps2;
+  Eigen::Matrix3d C_p, C_v, C_q, C_gyro, C_accel;
 };
 
 NodeEstimate EstimateAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
+  const TrajectoryGraph& trajectory = network.trajectory();
   const NodeBlocks& node = network.nodes()[k];
-  return {network.trajectory().NodePose(k), marginals.DiagonalBlock(node.p_mb.id),
-          marginals.DiagonalBlock(node.v_m.id), marginals.DiagonalBlock(node.q_mb.id)};
+  return {trajectory.NodePose(k),
+          trajectory.GyroBias(node.t_s),
+          trajectory.AccelBias(node.t_s),
+          marginals.DiagonalBlock(node.p_mb.id),
+          marginals.DiagonalBlock(node.v_m.id),
+          marginals.DiagonalBlock(node.q_mb.id),
+          TotalBiasCovariance(trajectory.gyro_bias(), node.t_s, marginals),
+          TotalBiasCovariance(trajectory.accel_bias(), node.t_s, marginals)};
 }
 
 /// Takes the change by unmodelled effects into an estimate.
 void AddChange(const NodeChange& change, NodeEstimate* estimate) {
-  estimate->pose.p_mb += change.position_m;
-  estimate->pose.v_m += change.velocity_mps;
-  estimate->pose.q_mb = estimate->pose.q_mb * Exp(change.attitude_rad);
+  change.MovePose(&estimate->pose);
   estimate->C_p += change.position_covariance_m2;
   estimate->C_v += change.velocity_covariance;
   const auto attitude = change.pose_root.bottomRows<3>();
   estimate->C_q += attitude * attitude.transpose();
+  estimate->gyro_bias_radps += change.gyro_bias_radps;
+  estimate->accel_bias_mps2 += change.accel_bias_mps2;
+  estimate->C_gyro += change.gyro_bias_covariance;
+  estimate->C_accel += change.accel_bias_covariance;
 }
 
 EpochErrors ErrorsAt(const SimulatedFlight& simulated, const FlightNetwork& network, std::size_t k,
-                     const NodeEstimate& estimate, const Marginals& marginals) {
+                     const NodeEstimate& estimate) {
   const Truth truth(simulated, network);
   const NodeBlocks& node = network.nodes()[k];
   const MapPose pose = truth.Pose(node.t_s);
@@ -91,13 +101,13 @@ EpochErrors ErrorsAt(const SimulatedFlight& simulated, const FlightNetwork& netw
   SetErrors(estimate.pose.v_m - pose.v_m, estimate.C_v, 1, &errors);
   SetErrors(Log(Eigen::Quaterniond(pose.q_mb.conjugate() * estimate.pose.q_mb)), estimate.C_q, 2,
             &errors);
-  SetErrors(network.trajectory().GyroBias(node.t_s) -
-                truth.Bias(network.trajectory().gyro_bias(), simulated.gyro_bias_radps, node.t_s),
-            TotalBiasCovariance(network.trajectory().gyro_bias(), node.t_s, marginals), 3, &errors);
-  SetErrors(network.trajectory().AccelBias(node.t_s) -
-                truth.Bias(network.trajectory().accel_bias(), simulated.accel_bias_mps2, node.t_s),
-            TotalBiasCovariance(network.trajectory().accel_bias(), node.t_s, marginals), 4,
-            &errors);
+  const TrajectoryGraph& trajectory = network.trajectory();
+  SetErrors(estimate.gyro_bias_radps -
+                truth.Bias(trajectory.gyro_bias(), simulated.gyro_bias_radps, node.t_s),
+            estimate.C_gyro, 3, &errors);
+  SetErrors(estimate.accel_bias_mps2 -
+                truth.Bias(trajectory.accel_bias(), simulated.accel_bias_mps2, node.t_s),
+            estimate.C_accel, 4, &errors);
   return errors;
 }
 
@@ -129,7 +139,7 @@ void AddErrors(const SimulatedFlight& simulated, const Solution& solution,
     if (network.nodes()[k].t_s < network.nodes().front().t_s + next_s - 1e-6) continue;
     NodeEstimate estimate = EstimateAt(network, k, solution.marginals());
     if (unmodelled != nullptr) AddChange(unmodelled->nodes[k], &estimate);
-    record->epochs.push_back(ErrorsAt(simulated, network, k, estimate, solution.marginals()));
+    record->epochs.push_back(ErrorsAt(simulated, network, k, estimate));
     next_s += epoch_spacing_s;
   }
   AddTrajectoryRms(simulated, network, record);

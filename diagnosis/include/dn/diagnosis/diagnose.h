@@ -22,6 +22,8 @@ struct GapOptions {
   Depth depth = Depth::kFull;
   std::uint64_t seed = 1;  ///< seed of the replicates
   double alpha = 0.05;     ///< significance level (false-alarm rate) of the gap test
+  /// Prior probability that what happened to the flight is not in the library, if something did.
+  double outside = 0.2;
   int threads = 1;
   /// Only these effects are considered; empty: the whole library.
   std::vector<std::string> effects = {};

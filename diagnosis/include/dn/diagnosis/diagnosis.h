@@ -41,6 +41,8 @@ struct GapCause : EffectEvidence {
   EffectTimes times;               ///< most probable window or start, if the effect has one
   double posterior = 0.0;          ///< calibrated probability that the effect is present
   double absorbed_fraction = 0.0;  ///< share of the signature absorbed by the unknowns
+  /// Evidence with the named effects in the model, nats; absent for these effects.
+  std::optional<double> left_nats;
   std::vector<std::string> inseparable_from;
   std::optional<double> held_out_gain_nats;
   std::optional<double> shrinkage;
@@ -91,6 +93,16 @@ struct GapShrinkage {
   std::optional<double> held_out_gain_nats;
   std::optional<double> reachable_left_nats;
   GapState before, after;
+  /// Most probable unmodelled discrepancy beyond these effects, if its evidence is significant.
+  std::optional<GapDiscrepancy> rest;
+};
+
+/// Total angles of the boresight with the covariance of a left rotation.
+struct BoresightEstimate {
+  Eigen::Vector3d angles_rad = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+
+  Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
 };
 
 /// Detection limits of an effect, in `unit`: up to these sizes it can stay undetected.
@@ -157,6 +169,8 @@ struct GapDiagnosis {
   /// True if the pairs were adjusted on a given trajectory, which contains the errors of its
   /// sensors.
   bool trajectory_given = false;
+  /// True if the results of `dn calibrate` contain the tolerances of the sensors.
+  bool with_tolerances = false;
   bool detected = false;
   double p_value = 1.0;
   GapSize size;
@@ -165,7 +179,12 @@ struct GapDiagnosis {
   std::vector<GapCause> causes;               ///< every screened effect, most probable first
   std::vector<GapDiscrepancy> discrepancies;  ///< every unmodelled discrepancy, most probable first
   GapVerdict verdict;
+  /// Probability that what happened is not in the library: assumed, if something did, and given
+  /// the data.
+  double outside_prior = 0.0, outside_posterior = 0.0;
   std::optional<GapShrinkage> shrinkage;
+  /// Boresight over all hypotheses by their probabilities; absent without pairs.
+  std::optional<BoresightEstimate> boresight_averaged;
   std::vector<DetectionLimit> could_still_hide;
   std::vector<FingerprintValue> fingerprint;
   GapValidity validity;

@@ -6,6 +6,7 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/adjustment/plane_flight.h>
 #include <dn/adjustment/result.h>
+#include <dn/diagnosis/effect_posterior.h>
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
@@ -18,15 +19,20 @@ namespace dn {
 /// Change of a node of the trajectory by effects that the model leaves out.
 struct NodeChange {
   double t_s = 0.0;
-  Eigen::Vector3d position_m;    ///< correction, map axes
-  Eigen::Vector3d velocity_mps;  ///< correction, map axes
-  Eigen::Vector3d attitude_rad;  ///< right rotation: q_mb' = q_mb Exp(attitude)
+  Eigen::Vector3d position_m;                        ///< correction, map axes
+  Eigen::Vector3d velocity_mps;                      ///< correction, map axes
+  Eigen::Vector3d attitude_rad;                      ///< right rotation: q_mb' = q_mb Exp(attitude)
+  Eigen::Vector3d gyro_bias_radps, accel_bias_mps2;  ///< corrections of the total biases
   /// Variances added: east, north, up; roll, pitch, heading.
   Eigen::Vector3d velocity_variance_enu, rph_variance_rad2;
   Eigen::Matrix3d position_covariance_m2, velocity_covariance;  ///< added, map axes
+  Eigen::Matrix3d gyro_bias_covariance, accel_bias_covariance;  ///< added, (rad/s)^2, (m/s^2)^2
   /// G with the joint covariance G_i G_j^T that is added to the poses of nodes i and j: position
   /// east, north, up (m), attitude in body (rad).
   Eigen::Matrix<double, 6, Eigen::Dynamic> pose_root;
+
+  /// Applies the corrections of position, velocity and attitude to a pose.
+  void MovePose(MapPose* pose) const;
 };
 
 /// Effects that the model leaves out, as unknowns with their priors: the change of the results that
@@ -52,6 +58,7 @@ struct UnmodelledEffects {
   std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
   std::vector<EffectContribution> contributions;  ///< the largest first
   std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
+  EffectPosterior posterior;                      ///< of a network with a boresight
   /// Whether the size of the time-correlated error of the GNSS positions (gnss.processes: auto) is
   /// one that its prior expects; absent without it.
   std::optional<bool> gnss_process_usual;

@@ -51,6 +51,9 @@ Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
                     const std::vector<std::pair<std::string, std::string>>& absent);
 
+/// Returns `estimates` of result.json: value, sigma and unit of each unknown by its name.
+Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns);
+
 /// Returns the boresight of a design, without angles: sigmas, covariance and correlation, the same
 /// of the pure model, and the contributions of the effects that it leaves out.
 Json PredictedBoresightJson(const BoresightResult& boresight);
@@ -77,10 +80,10 @@ std::string FormatTrajectorySigma(const std::vector<TrajectorySigma>& sigma);
 /// Returns the text of biases.txt: t, gyro x y z [deg/h], accel x y z [mg], then their sigmas.
 std::string FormatBiases(const std::vector<BiasEstimate>& biases);
 
-/// Returns the root mean squares, over the nodes, of the differences from the reference trajectory.
-/// They are position E, N, U in m, velocity in m/s, and roll, pitch, heading in deg. The velocity
-/// is null if the reference has no velocities of its own. Returns null if there is no reference or
-/// if it covers no node.
-Json ReferenceErrorsJson(const FlightNetwork& network);
+/// Returns the root mean squares, over some poses, of the differences from the reference trajectory
+/// of the flight. They are position E, N, U in m, velocity in m/s, and roll, pitch, heading in deg.
+/// The velocity is null if the reference has no velocities of its own. Returns null if there is no
+/// reference or if it covers none of the poses.
+Json ReferenceErrorsJson(const Flight& flight, const std::vector<MapPose>& poses);
 
 }  // namespace dn

@@ -56,9 +56,12 @@ class Solution {
   std::vector<UnknownEstimate> Unknowns() const;
 
   /// The functions below return results of the model with the effects that it leaves out
-  /// (UnmodelledEffects): the other estimated unknowns, the standard deviations at the nodes, and
-  /// the corrected points of a trajectory that DenseTrajectory returned for this network.
+  /// (UnmodelledEffects): the other estimated unknowns, poses, biases and standard deviations at
+  /// the nodes, and the corrected points of a trajectory that DenseTrajectory returned for this
+  /// network.
   std::vector<UnknownEstimate> CheckedUnknowns() const;
+  std::vector<MapPose> CheckedPoses() const;
+  std::vector<BiasEstimate> CheckedBiases() const;
   std::vector<TrajectorySigma> CheckedSigmas() const;
   std::vector<NavPoint> CheckedTrajectory(std::vector<NavPoint> points) const;
 

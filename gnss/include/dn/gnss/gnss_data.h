@@ -2,10 +2,12 @@
 
 #include <dn/eigen_alignment.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/named_columns.h>
 #include <dn/geo/text_coordinates.h>
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,13 +34,24 @@ struct GnssData {
   std::vector<GnssEpoch> epochs;
   long repeated_rows_dropped = 0;
   long unusable_sentences = 0;  ///< kNmea: GGA sentences without a fix or with a wrong checksum
+  std::map<std::string, long> counts;  ///< rows that are unusual or left out, by reason
+
+  void Count(const std::string& reason, long rows) {
+    if (rows != 0) counts[reason] += rows;
+  }
 };
+
+/// Quantities of the columns of a file of GNSS solutions.
+const std::vector<std::string>& GnssQuantities();
 
 /// Coordinate system of the columns of kOdyn and kObGins. By default the positions are geographic
 /// and north is true north.
 struct GnssColumns {
   TextCoordinates position = {};
   bool grid_north = false;  ///< velocities and sigmas refer to north and east of the UTM grid
+  /// For kOdyn: names of the columns (t, lat, lon, h, sigma_e ..., ve ..., sigma_ve ...); empty: by
+  /// their number. Only complete triples are used.
+  ColumnNames names = {};
 };
 
 /// Reads a file of GNSS solutions and sorts them by time. Identical repeated rows are dropped and
@@ -49,13 +62,18 @@ struct GnssColumns {
 ///            and ellipsoidal height, or ECEF x, y, z; time as week and seconds or as calendar
 ///            date, in GPST, UTC or JST. Covariances come from signed roots; an indefinite one
 ///            becomes positive definite by shrinking its correlations. A velocity whose sigmas
-///            are all 0 was not estimated and is ignored.
+///            are all 0 was not estimated and is ignored. A file without a header is read if its
+///            rows have the columns of a complete solution; its time is then taken as GPST.
 ///   kObGins  t, lat, lon [deg], h, sigma N E D; 13 columns: t, lat, lon, h, v N E D, sigma N E D,
 ///            sigma v N E D
 ///   kNmea    sentences GGA (position; height above the geoid plus geoid separation) and RMC or ZDA
-///            (date) of any talker; UTC becomes GPS time by the leap seconds of the date; the file
-///            has no sigmas. Other sentences are ignored, as are GGA sentences without a fix and
-///            sentences with a wrong checksum.
+///            (date); UTC becomes GPS time by the leap seconds of the date; the file has no
+///            sigmas. The date is that of a valid RMC, or of a ZDA near the first position. The
+///            most frequent talker is used. Sentences without a fix, with a wrong checksum, without
+///            geoid separation, and of quality 6 to 8 (not measured) are left out and counted.
+///
+/// Position sigmas that are all 0 are unknown. If other rows have sigmas, such rows are left out
+/// and counted.
 ///
 /// time_offset_s: known error of the time tags (tag = t + time_offset_s), subtracted first. It can
 /// also convert seconds since 1980 to seconds of week.

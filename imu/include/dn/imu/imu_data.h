@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/eigen_alignment.h>
+#include <dn/geo/named_columns.h>
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -40,6 +41,8 @@ enum class ImuSampling {
 /// Options for reading a file of inertial data.
 struct ImuReadOptions {
   ImuFormat format = ImuFormat::kOdyn;
+  /// Names of the columns (t, wx, wy, wz, fx, fy, fz); empty: the columns of the format.
+  ColumnNames columns = {};
   ImuSampling sampling = ImuSampling::kMean;
   /// One unit of the rates of the file (rad/s), or of the angle increments (rad).
   double rate_unit_radps = 1.0;
@@ -55,6 +58,9 @@ struct ImuReadOptions {
   /// LongestImuBridge applies.
   std::optional<double> max_gap_s = std::nullopt;
 };
+
+/// Quantities of the columns of an inertial file: rates and forces, or increments.
+const std::vector<std::string>& ImuQuantities();
 
 /// Gap in the data: no sample covers (t_begin_s, t_end_s].
 struct ImuGap {

@@ -22,12 +22,16 @@ struct StripCloud {
   /// Number of later returns of the same pulse; 0: this is the last return.
   std::vector<std::uint8_t> returns_after;
   std::vector<std::uint8_t> classification;  ///< LAS class, such as 2 for ground
+  std::vector<std::uint8_t> flags;           ///< any of the flags below
   /// Covariance of p_c, m^2.
   std::vector<Eigen::Matrix3d> covariance_c_m2;
   /// The LAS records as read from the file, `record_bytes` per point. They preserve the LAS
   /// attributes that have no array here.
   std::string records;
   std::size_t record_bytes = 0;
+
+  static constexpr std::uint8_t kSynthetic = 1;  ///< not measured, such as a breakline
+  static constexpr std::uint8_t kWithheld = 4;   ///< deleted, but kept in the file
 
   std::size_t size() const { return p_c.size(); }
 

@@ -15,9 +15,13 @@ struct StripCrs {
   std::optional<int> epsg;  ///< EPSG code of the horizontal or three-dimensional system
   std::string
       text;  ///< name or well-known text of the system; empty: the file does not state a system
-  std::string name;  ///< name in strips_crs of flight.yaml: utm:32n, ecef; else empty
-  /// The file names a vertical system: heights are not ellipsoidal.
+  /// Name in strips_crs of flight.yaml: utm:32n, ecef, epsg:2056, wkt:TEXT; empty if PROJ does not
+  /// know the system.
+  std::string name;
+  /// The heights refer to a geoid, and `name` does not contain the transformation.
   bool heights_from_geoid = false;
+  std::string why_not = {};  ///< why it does not
+  bool in_metres = true;     ///< false: coordinates or heights have another unit, as `name` says
 };
 
 /// Writes points to a file. The file appears under its name only when it is complete.
@@ -70,19 +74,19 @@ class StripReader {
                                                   const StripAdditions& additions) const = 0;
 };
 
-/// Opens a strip. The file name extension selects the format:
+/// Opens a strip. The content selects the format:
 ///
-///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes; compressed or not (LAZ,
-///   .laz    COPC), by content. "Adjusted standard" GPS time is converted to seconds of the week of
-///           the first point. Laser vectors are extra bytes named ux, uy, uz [m]. The coordinate
-///           system is read from GeoTIFF keys and well-known text.
-///   .txt    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
+///   LAS     ASPRS LAS 1.0 to 1.4, point formats 0 to 10, with extra bytes; compressed or not (LAZ,
+///           COPC). "Adjusted standard" GPS time is converted to seconds of the week of the first
+///           point. Laser vectors are extra bytes named ux, uy, uz [m]. The coordinate system is
+///           read from GeoTIFF keys and well-known text.
+///   text    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
 ///           (upper triangle xx, xy, xz, yy, yz, zz)
 ///
-/// Throws InvalidInput, with the file and the remedy, for any other extension. Also throws it for a
-/// header that contradicts itself, its records or the file size, and for damaged points. The units
-/// must be metres, a time must be a second of week, and a laser vector between 1 mm and 50 km long.
-/// The message names the record or the byte.
+/// Throws InvalidInput, with the file and the remedy, for any other binary file. Also throws it for
+/// a header that contradicts itself, its records or the file size, and for damaged points. The
+/// units must be metres, a time must be a second of week, and a laser vector between 1 mm and 50 km
+/// long. The message names the record or the byte.
 std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file);
 
 /// Coordinate grid of a new LAS file. Each coordinate is offset_m plus an integer multiple of

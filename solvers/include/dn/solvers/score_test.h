@@ -84,6 +84,12 @@ ScoreTest TestCombinations(const JointScore& score, const Eigen::MatrixXd& T);
 ///   s - A T A_T^+ T^T s,   A - A T A_T^+ T^T A,   shift - shift T A_T^+ T^T A.
 JointScore ConditionOn(const JointScore& score, const Eigen::MatrixXd& T);
 
+/// Mean and covariance of linear functions of an effect.
+struct LinearMoments {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
 /// Log Bayes factor of an effect. It is the log of the likelihood of the residuals with the effect
 /// over that without it, averaged over the prior of the effect's size. With s and A of its
 /// components in units of their typical sizes, A = U diag(d) U^T, c = U^T s,
@@ -104,6 +110,11 @@ class SizeAveragedEvidence {
   /// Returns the log Bayes factor if the variance of the effect is known, in squares of the typical
   /// size.
   double LogEvidence(const Eigen::VectorXd& s, double variance) const;
+
+  /// Returns the posterior moments of F e for the effect e, averaged over the same sizes. With the
+  /// columns W of U in typical sizes, e has given v_g the mean -W c v_g / (1 + v_g d) and the
+  /// covariance W diag(v_g / (1 + v_g d)) W^T.
+  LinearMoments Moments(const Eigen::VectorXd& s, const Eigen::MatrixXd& F) const;
 
   Eigen::Index size() const { return d_.size(); }
 

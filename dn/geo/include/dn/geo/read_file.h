@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -25,10 +26,23 @@ bool IsCircularLink(const std::filesystem::path& path);
 std::string ReadWholeFile(const std::filesystem::path& file,
                           std::uintmax_t max_bytes = kMaxFileBytes);
 
+/// Returns the first bytes of a file, fewer if the file is shorter. Throws InvalidInput as
+/// ReadWholeFile does.
+std::string ReadBeginning(const std::filesystem::path& file, std::size_t bytes);
+
+/// Returns whether a file that begins like this is text in UTF-16.
+bool IsUtf16(std::string_view beginning);
+
+/// Returns whether a file that begins like this is binary: it has null bytes, or more than a tenth
+/// of its bytes are not ASCII. Text in UTF-16 is not binary.
+bool IsBinary(std::string_view beginning);
+bool IsBinaryFile(const std::filesystem::path& file);
+
 /// Reads a text file line by line, with only one line in memory.
 class LineReader {
  public:
-  /// Opens the file. Throws InvalidInput as ReadWholeFile does.
+  /// Opens the file and skips a byte order mark. Throws InvalidInput as ReadWholeFile does, and for
+  /// text in UTF-16.
   explicit LineReader(std::filesystem::path file);
 
   /// Reads the next line without its newline; `line` is valid until the next call. Returns false

@@ -25,12 +25,13 @@ struct TextTable {
   const double* row(std::size_t i) const { return values.data() + i * columns; }
 };
 
-/// Reads a numeric table. Values are separated by commas, blanks or tabs; '#' (and `comment`)
-/// starts a comment; blank lines are skipped; CRLF is accepted. Every row must have the same number
-/// of columns, which must be one of `allowed_columns` (empty: any). Rows after the first max_rows
-/// are not read. Throws InvalidInput naming file:line:column for a file that is missing, empty or
-/// not regular. Also throws for a value that is not a finite number, and for semicolons and decimal
-/// commas. For a wrong number of columns, the message names the allowed numbers.
+/// Reads a numeric table. Values are separated by commas, blanks or tabs. At the beginning of a
+/// line or after a separator, '#' (and `comment`) starts a comment. Blank lines are skipped; CRLF
+/// is accepted. Every row must have the same number of columns, which must be one of
+/// `allowed_columns` (empty: any). Rows after the first max_rows are not read. Throws InvalidInput
+/// naming file:line:column for a file that is missing, empty or not regular. Also throws for a
+/// value that is not a finite number, and for semicolons and decimal commas. For a wrong number of
+/// columns, the message names the allowed numbers.
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment = '#',
                         std::size_t max_rows = SIZE_MAX);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <dn/geo/local_frame.h>
+#include <dn/geo/named_columns.h>
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dn {
 
@@ -23,6 +25,9 @@ struct TrajectoryColumns {
   /// True if the horizontal axes of the attitude are those of the UTM grid instead of true north
   /// and east.
   bool grid_north = false;
+  /// Names of the columns: t, lat, lon, h, then qw, qx, qy, qz or roll, pitch, heading; empty: in
+  /// this order.
+  ColumnNames names = {};
   bool body_is_flu = false;                 ///< only for quaternions
   std::optional<Geodetic> map_origin = {};  ///< only for crs map
 
@@ -30,5 +35,8 @@ struct TrajectoryColumns {
     return attitude == Attitude::kQuaternionNed || attitude == Attitude::kQuaternionEnu;
   }
 };
+
+/// Quantities of the columns of a text trajectory, for an attitude in quaternions or angles.
+std::vector<std::string> TrajectoryQuantities(bool quaternions);
 
 }  // namespace dn

@@ -148,6 +148,9 @@ struct Document {
   std::string subtitle;
   std::vector<Headline> headlines = {};
   std::vector<Section> sections = {};
+  /// Printed instead of all of the above, with a line for date and signature; not shown on a
+  /// screen.
+  std::vector<Section> certificate = {};
 };
 
 /// Returns a curve with at most `most` points for display. It keeps the smallest and the largest

@@ -61,8 +61,9 @@ class TrajectoryGraph {
   /// process at the attitude of the epoch (see CorrelatedGnssError).
   const std::vector<ProcessChain>& gnss_error() const { return gnss_error_; }
 
-  /// Returns the present pose of node k.
+  /// These two functions return the present pose of node k, and those of all nodes.
   MapPose NodePose(std::size_t k) const;
+  std::vector<MapPose> NodePoses() const;
 
   /// These two functions return the sum of the bias processes at t_s for each axis, rad/s and
   /// m/s^2.

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <dn/geo/named_columns.h>
 #include <dn/geo/trajectory_columns.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
 
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,11 +19,15 @@ enum class FileKind { kUnknown, kImu, kGnss, kPairs, kTrajectory, kSmrmsg, kPoin
 struct FileContent {
   std::filesystem::path file;
   FileKind kind = FileKind::kUnknown;
-  std::string why;  ///< for kUnknown: why the file cannot be read
-  std::size_t columns = 0;
+  /// For kUnknown: why the file is not used. For other kinds: what is unusual about the columns.
+  std::string why;
+  /// For text: names of the columns for flight.yaml; empty for the columns of a documented format.
+  ColumnNames columns;
   ImuFormat imu_format = ImuFormat::kOdyn;
   bool rates_in_deg = false;  ///< for kImu: rates in deg/s or angles in deg
   bool forces_in_g = false;   ///< for kImu: forces in g
+  /// For kImu in counts: rad/s (rad) and m/s^2 (m/s) of one count; 0 for other units.
+  double rate_unit = 0.0, force_unit = 0.0;
   GnssFormat gnss_format = GnssFormat::kOdyn;
   bool has_sigma = false;     ///< for kGnss: the positions have sigmas
   bool has_velocity = false;  ///< for kGnss: the file has velocities
@@ -34,22 +38,26 @@ struct FileContent {
   double time_offset_s = 0.0;
 };
 
-/// Determines the kind of a file from its number of columns and the size and step of its values:
+/// Determines the kind of a file by its content. A text is tested against each kind: time that
+/// increases in plausible steps, gravity and rates, coordinates and speed, sigmas, quaternions and
+/// course, by the names of a header or by trial of the columns. The kind with all tests passed is
+/// taken. Otherwise `why` names the nearest kind and what it lacks, then the second nearest.
 ///
-///   kImu         7 columns (8 with an odometer): |columns 5-7| is gravity, in m/s^2 or g, or times
-///                the step between the rows
-///   kGnss        4, 7, 10 or 13 columns with latitude, longitude and positive sigmas; or a header
-///                of RTKLIB, or sentences of NMEA
+///   kImu         rates and forces; |force| is gravity, in m/s^2 or g, or times the step
+///   kGnss        latitude, longitude, height, perhaps sigmas and velocities; or a solution of
+///                RTKLIB, or sentences of NMEA
 ///   kPairs       8 or 14 columns that begin with two times
-///   kTrajectory  8 columns that end with a unit quaternion, or 7 that end with three angles, the
-///                last of them near the course; or records of an SBET
+///   kTrajectory  a position with a unit quaternion, or with three angles, the last of them near
+///                the course; or records of an SBET
 ///   kPointCloud  the signature of LAS or LAZ
 ///   kSmrmsg      records of POSPac's smrmsg
 ///
-/// Does not throw for any content of the file.
+/// Does not throw for any content of the file. A log with several kinds of messages gives the first
+/// kind; InspectFolder gives all.
 FileContent InspectFile(const std::filesystem::path& file);
 
-/// Returns the content of the entries of a folder, sorted by name. Folders, hidden files, YAML and
+/// Returns the contents of the entries of a folder, sorted by name. A log with several kinds of
+/// messages has one content for each. Folders, hidden files, YAML and
 /// JSON are left out. An entry that cannot be read, such as a dangling link, is of unknown kind.
 std::vector<FileContent> InspectFolder(const std::filesystem::path& folder);
 

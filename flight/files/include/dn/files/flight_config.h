@@ -33,6 +33,7 @@ struct ImuConfig {
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
+  ColumnNames columns;  ///< for kOdyn: see GnssColumns
   /// Coordinates of the positions for kOdyn and kObGins, see TextCoordinates.
   std::string crs = "geographic";
   bool grid_north = false;     ///< velocities and sigmas refer to the axes of the UTM grid
@@ -117,7 +118,8 @@ struct FlightConfig {
   std::optional<Eigen::Vector2d> time_span_s;
   std::vector<StripInterval> strips;
   std::string strips_crs = "map";
-  std::optional<ImuConfig> imu;  ///< absent: flight.yaml has no section imu
+  bool strips_crs_stated = false;  ///< false: the headers of the strips may name another system
+  std::optional<ImuConfig> imu;    ///< absent: flight.yaml has no section imu
   std::optional<GnssConfig> gnss;
   std::optional<LidarConfig> lidar;
   std::optional<TrajectoryConfig> trajectory;

@@ -18,6 +18,10 @@ std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& f
 /// Returns the files of FindStripFiles; throws InvalidInput if there are none.
 std::vector<std::filesystem::path> RequireStripFiles(const std::filesystem::path& flight_folder);
 
+/// Returns the name of the coordinate system that the headers of all strips of a flight state;
+/// empty if one has none, if they differ, or if one cannot be read.
+std::string FindStripsCrs(const std::filesystem::path& flight_folder);
+
 /// Compares the coordinate system in the header of a strip with strips_crs of flight.yaml. Throws
 /// InvalidConfig if they contradict each other, with the value to write. Returns a note for the
 /// user; empty if there is nothing to note.

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+
+namespace dn::apps {
+
+/// Options of a calibration with several flights.
+struct FleetOptions {
+  std::string across;                 ///< section `across` as YAML; empty: that of the flights
+  int at_once = 1;                    ///< flights that are calibrated at the same time
+  bool include_uncalibrated = false;  ///< also takes flights whose verdict is not `calibrated`
+};
+
+/// Adds --across, --at-once and --include-uncalibrated.
+void AddFleetOptions(CLI::App* app, FleetOptions* options);
+
+/// Returns the inputs of all flights. A flight may be a result folder with a reduced.json.
+Inputs FleetInputs(const std::vector<std::string>& flights,
+                   const std::vector<std::string>& changes);
+
+/// Calibrates each flight in a process of its own into --out/<flight>, unless a result of the same
+/// data and configuration is there, and combines their results. `changes`: --set values for all
+/// flights.
+void CalibrateFlights(const std::vector<std::string>& flights,
+                      const std::vector<std::string>& changes, const FleetOptions& options,
+                      Run& run);
+
+}  // namespace dn::apps

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <dn/effects/effect_table.h>
+#include <dn/eigen_alignment.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dn {
+
+/// Joint posterior of the fixed effects that a model leaves out, e, and of the calibration unknowns
+/// x: the boresight (left rotation), then the effects under `estimate` in the order of
+/// UnmodelledEffects::unknowns. SI.
+struct EffectPosterior {
+  std::vector<EffectId> effect;         ///< one per element of e
+  std::vector<Eigen::Index> component;  ///< index within the effect, one per element of e
+  Eigen::VectorXd prior_sigma;          ///< prior standard deviations of e
+  Eigen::VectorXd estimate;             ///< posterior mean of e
+  Eigen::MatrixXd covariance;           ///< posterior covariance of e
+  Eigen::MatrixXd added;  ///< covariance that these effects, and the process of GNSS, add to x
+  Eigen::MatrixXd cross;  ///< covariance of x (rows) with e (columns)
+};
+
+}  // namespace dn

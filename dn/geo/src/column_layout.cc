@@ -1,0 +1,120 @@
+#include "column_layout.h"
+
+#include <dn/error.h>
+#include <dn/geo/local_frame.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace dn::geo_internal {
+namespace {
+
+constexpr double kPerMinute = 1.0 / 60.0, kPerSecond = 1.0 / 3600.0;
+
+constexpr std::array<Addend, 6> kAddends{{{"undulation", "h", 1.0, false},
+                                          {"nsec", "t", 1e-9, false},
+                                          {"lat_min", "lat", kPerMinute, true},
+                                          {"lat_sec", "lat", kPerSecond, true},
+                                          {"lon_min", "lon", kPerMinute, true},
+                                          {"lon_sec", "lon", kPerSecond, true}}};
+
+const std::map<std::string, ColumnQuantity>& OtherNames() {
+  static const std::map<std::string, ColumnQuantity> names{{"t_ms", {"t", 1e-3}},
+                                                           {"t_us", {"t", 1e-6}},
+                                                           {"t_ns", {"t", 1e-9}},
+                                                           {"east", {"lat"}},
+                                                           {"north", {"lon"}},
+                                                           {"up", {"h"}},
+                                                           {"x", {"lat"}},
+                                                           {"y", {"lon"}},
+                                                           {"z", {"h"}},
+                                                           {"yaw", {"heading"}},
+                                                           {"vd", {"vu", -1.0}},
+                                                           {"sigma_d", {"sigma_u"}},
+                                                           {"sigma_vd", {"sigma_vu"}},
+                                                           {"lat_rad", {"lat", kDegPerRad}},
+                                                           {"lon_rad", {"lon", kDegPerRad}},
+                                                           {"roll_rad", {"roll", kDegPerRad}},
+                                                           {"pitch_rad", {"pitch", kDegPerRad}},
+                                                           {"heading_rad", {"heading", kDegPerRad}},
+                                                           {"yaw_rad", {"heading", kDegPerRad}}};
+  return names;
+}
+
+/// Splits the texts of a condition, as in "=A|B".
+std::vector<std::string> SplitTexts(std::string_view condition) {
+  std::vector<std::string> texts(1);
+  for (const char c : condition.substr(1)) {
+    if (c == '|') {
+      texts.emplace_back();
+    } else {
+      texts.back() += c;
+    }
+  }
+  return texts;
+}
+
+}  // namespace
+
+ColumnQuantity ParseColumnName(std::string_view name) {
+  ColumnQuantity column;
+  if (name.starts_with('-')) {
+    column.factor = -1.0;
+    name.remove_prefix(1);
+  }
+  column.quantity = name;
+  const auto other = OtherNames().find(column.quantity);
+  if (other == OtherNames().end()) return column;
+  column.quantity = other->second.quantity;
+  column.factor *= other->second.factor;
+  return column;
+}
+
+const Addend* FindAddend(std::string_view name) {
+  const auto found = std::find_if(kAddends.begin(), kAddends.end(),
+                                  [&](const Addend& addend) { return addend.name == name; });
+  return found == kAddends.end() ? nullptr : &*found;
+}
+
+bool IsCondition(std::string_view name) { return name.starts_with('='); }
+
+ColumnLayout::ColumnLayout(const ColumnNames& names, const std::vector<std::string>& quantities)
+    : has_messages_(!names.empty() && IsCondition(names[0])) {
+  for (const std::string& name : names) columns_.push_back(ParseColumnName(name));
+  while (!columns_.empty() && columns_.back().quantity == "skip") columns_.pop_back();
+  std::vector<std::string> all{"t"};
+  all.insert(all.end(), quantities.begin(), quantities.end());
+  for (const std::string& quantity : all) {
+    const std::optional<std::size_t> place = Find(quantity);
+    if (!place) throw InvalidInput("`columns` has no " + quantity + "; name its column");
+    places_.push_back(*place);
+  }
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const std::string& name = columns_[i].quantity;
+    if (name == "week") week_ = i;
+    if (IsCondition(name)) conditions_.push_back({i, SplitTexts(name)});
+    const Addend* addend = FindAddend(name);
+    if (addend == nullptr) continue;
+    const auto column = std::find(all.begin(), all.end(), addend->quantity);
+    if (column != all.end())
+      added_.push_back({i, static_cast<std::size_t>(column - all.begin()), addend});
+  }
+}
+
+bool ColumnLayout::Accepts(const std::vector<std::string_view>& fields) const {
+  return std::all_of(conditions_.begin(), conditions_.end(), [&](const Condition& condition) {
+    return condition.place < fields.size() &&
+           std::find(condition.texts.begin(), condition.texts.end(), fields[condition.place]) !=
+               condition.texts.end();
+  });
+}
+
+std::optional<std::size_t> ColumnLayout::Find(std::string_view quantity) const {
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (columns_[i].quantity == quantity) return i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace dn::geo_internal

@@ -1,0 +1,143 @@
+#include <dn/geo/named_columns.h>
+#include <dn/geo/text_fields.h>
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+
+#include "column_layout.h"
+
+namespace dn {
+namespace {
+
+using geo_internal::ColumnLayout;
+using Fields = std::vector<std::string_view>;
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Appends the used values of lines to a table.
+class NamedRows {
+ public:
+  NamedRows(const ColumnLayout& layout, TextTable* table) : layout_(layout), table_(*table) {}
+
+  void Take(std::string_view line, long number) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string_view::npos) return;
+    const bool comment = line[begin] == '#' || line[begin] == '%';
+    if (comment && !layout_.has_messages()) return;
+    line_ = line;
+    number_ = number;
+    fields_ = layout_.has_messages() ? SplitMessage(line) : SplitFields(line);
+    if (!layout_.Accepts(fields_)) return;
+    const std::size_t time = layout_.places().front();
+    const bool has_time = time < fields_.size() && FieldNumber(fields_[time]);
+    const bool short_row = fields_.size() < layout_.least_fields();
+    if (table_.lines.empty() && (!has_time || short_row)) return;  // a line of the header
+    if (short_row) {
+      throw InvalidInput("row has " + std::to_string(fields_.size()) +
+                             " columns, but `columns` names " +
+                             std::to_string(layout_.least_fields()),
+                         {table_.file.string(), number, 0});
+    }
+    AppendRow();
+  }
+
+ private:
+  void AppendRow() {
+    const std::size_t begin = table_.values.size();
+    for (const std::size_t place : layout_.places()) {
+      table_.values.push_back(layout_.factor(place) * Value(place));
+    }
+    table_.lines.push_back(number_);
+    double* row = table_.values.data() + begin;
+    for (const ColumnLayout::AddedPlace& each : layout_.added()) {
+      row[each.column] += Sign(each) * each.addend->factor * Value(each.place);
+    }
+    if (layout_.week()) row[0] += WeeksS(Value(*layout_.week()));
+  }
+
+  double Value(std::size_t place) const {
+    return ParseNumber(fields_[place],
+                       {table_.file.string(), number_,
+                        static_cast<long>(fields_[place].data() - line_.data()) + 1});
+  }
+
+  // The degrees of "-0 30 0" have a sign but no size.
+  double Sign(const ColumnLayout::AddedPlace& added) const {
+    if (!added.addend->has_sign_of_column) return 1.0;
+    const std::size_t place = layout_.places()[added.column];
+    return (fields_[place].starts_with('-') ? -1.0 : 1.0) * layout_.factor(place);
+  }
+
+  double WeeksS(double week) {
+    if (table_.lines.size() == 1) first_week_ = week;
+    return kWeekS * (week - first_week_);
+  }
+
+  const ColumnLayout& layout_;
+  TextTable& table_;
+  std::string_view line_;
+  long number_ = 0;
+  Fields fields_;
+  double first_week_ = 0.0;
+};
+
+/// Returns whether a name is one of the quantities, or one that is added to them.
+bool IsKnown(const std::string& name, const std::vector<std::string>& quantities) {
+  const auto has = [&](std::string_view quantity) {
+    return quantity == "t" ||
+           std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
+  };
+  const geo_internal::Addend* addend = geo_internal::FindAddend(name);
+  return name == "week" || has(name) || (addend != nullptr && has(addend->quantity));
+}
+
+}  // namespace
+
+bool HasColumn(const ColumnNames& names, const std::string& quantity) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return geo_internal::ParseColumnName(name).quantity == quantity;
+  });
+}
+
+std::string FormatColumnNames(const ColumnNames& names) { return "[" + Listed(names) + "]"; }
+
+void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& quantities) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    const std::string quantity = geo_internal::ParseColumnName(name).quantity;
+    if (quantity == "skip" || geo_internal::IsCondition(quantity)) continue;
+    if (!IsKnown(quantity, quantities)) {
+      throw InvalidInput("'" + name +
+                         "' is not a column; the columns are t (t_ms, t_us, t_ns), week, " +
+                         Listed(quantities) + ", skip");
+    }
+    if (!seen.insert(quantity).second) throw InvalidInput("'" + name + "' is named twice");
+  }
+  if (!seen.contains("t")) throw InvalidInput("no column is the time, t");
+}
+
+TextTable ReadNamedColumns(const std::filesystem::path& file, const ColumnNames& names,
+                           const std::vector<std::string>& quantities, std::size_t max_rows) {
+  const ColumnLayout layout(names, quantities);
+  TextTable table;
+  table.file = file;
+  table.columns = 1 + quantities.size();
+  NamedRows rows(layout, &table);
+  LineReader lines(file);
+  for (std::string_view line; table.rows() < max_rows && lines.Next(&line);) {
+    rows.Take(line, lines.line());
+  }
+  if (table.rows() == 0) {
+    throw InvalidInput("file has no rows of numbers with the " +
+                           std::to_string(layout.least_fields()) + " columns that `columns` names",
+                       {file.string(), 0, 0});
+  }
+  return table;
+}
+
+}  // namespace dn

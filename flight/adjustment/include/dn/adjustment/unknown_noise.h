@@ -1,0 +1,51 @@
+#pragma once
+
+#include <dn/adjustment/adjust.h>
+#include <dn/files/flight.h>
+
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// A size of the assumed noise that follows from the data of a flight.
+struct NoiseSize {
+  std::string name;             ///< key of flight.yaml, for example "imu.gyro.white"
+  std::string unit;             ///< of `start` and `value`
+  double start = 0.0;           ///< size before the estimation, the centre of the prior
+  double value = 0.0;           ///< estimated size
+  double relative_sigma = 0.0;  ///< standard deviation of the estimate over its value
+  double redundancy = 0.0;      ///< redundancy of the residuals that show the size
+};
+
+/// Estimated noise of a flight.
+struct NoiseSizes {
+  std::vector<NoiseSize> sizes;
+  int rounds = 0;          ///< number of adjustments
+  bool converged = false;  ///< false: the last round still changed a size by more than 3 %
+};
+
+/// Returns true if the flight states that the noise of its inertial unit is not known
+/// (imu.grade: unknown).
+bool HasUnknownNoise(const FlightConfig& config);
+
+/// Estimates the noise of the sensors from an adjustment of the flight, and sets it in the
+/// configuration of the flight: white noise of gyros and accelerometers, their Gauss-Markov
+/// processes and random walks, and gnss.sigma_scale. Random constants keep their sizes.
+///
+/// Each variance has an inverse gamma prior of one degree of freedom with its start value: the size
+/// may differ by a factor of ten and more. The start value of the white noise is that of the raw
+/// data unless the flight states one. With the residuals r of a channel, whose redundancy is f, the
+/// estimates solve the equations of restricted maximum likelihood by Förstner's iteration,
+///
+///   sigma^2 <- (sigma_0^2 + sigma^2 r^T r) / (1 + f),
+///
+/// with a new adjustment in each round. gnss.sigma_scale does not fall below its start value: the
+/// residuals do not show errors that positions share over minutes.
+///
+/// If the sensors contradict each other with the start sizes, larger ones are tried first.
+///
+/// Throws as Adjust does.
+NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight);
+
+}  // namespace dn

@@ -1,0 +1,226 @@
+#include <dn/adjustment/result.h>
+#include <dn/adjustment/unknown_noise.h>
+#include <dn/imu/unknown_imu.h>
+#include <dn/imu/white_rows.h>
+#include <dn/solvers/marginals.h>
+#include <dn/solvers/prediction.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace dn {
+namespace {
+
+constexpr int kMostRounds = 8;
+constexpr double kSmallestChange = 0.03;
+// Degrees of freedom of the prior of a variance.
+constexpr double kPriorDof = 1.0;
+// Sensors that contradict each other at the start sizes are tried with sizes twice as large, at
+// most this often.
+constexpr int kMostDoublings = 3;
+
+/// Redundancy and sum of squares of some residuals.
+struct Misfit {
+  double redundancy = 0.0;
+  double squares = 0.0;
+};
+
+/// Returns the misfit of each channel of an adjusted flight.
+std::map<std::string, Misfit> ChannelMisfits(const Adjustment& adjustment, int threads) {
+  Marginals marginals(adjustment.network->net(),
+                      {.threads = threads, .analysis = adjustment.analysis});
+  marginals.ComputeSelectedInverse();
+  const Eigen::VectorXd redundancy = RedundancyNumbers(marginals);
+  const LinearizedNetwork& linearized = marginals.linearized();
+  std::map<std::string, Misfit> misfits;
+  for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
+    const FactorGroup& group = linearized.group(rows.factor);
+    if (!group.measured()) continue;
+    for (int k = 0; k < rows.count; ++k) {
+      Misfit& misfit = misfits[group.Channel(k)];
+      misfit.redundancy += redundancy[rows.first + k];
+      misfit.squares += std::pow(linearized.residual()[rows.first + k], 2);
+    }
+  }
+  return misfits;
+}
+
+/// Sizes that one factor scales, because the same residuals show them.
+class ScaledSizes {
+ public:
+  ScaledSizes(std::vector<std::string> channels, double smallest_factor)
+      : channels_(std::move(channels)), smallest_factor_(smallest_factor) {}
+
+  void Add(std::string name, std::string unit, double unit_si, double* value) {
+    if (*value > 0.0) sizes_.push_back({std::move(name), std::move(unit), unit_si, *value, value});
+  }
+
+  void Double() { Scale(2.0 * factor_); }
+
+  /// Undoes the last change.
+  void GoBack() { Scale(last_factor_); }
+
+  /// Takes the residuals of an adjustment with the present sizes. Returns the relative change.
+  double Update(const std::map<std::string, Misfit>& misfits) {
+    if (sizes_.empty()) return 0.0;
+    Misfit sum;
+    for (const std::string& channel : channels_) {
+      const auto at = misfits.find(channel);
+      if (at == misfits.end()) continue;
+      sum.redundancy += at->second.redundancy;
+      sum.squares += at->second.squares;
+    }
+    redundancy_ = sum.redundancy;
+    const double variance =
+        (kPriorDof + factor_ * factor_ * sum.squares) / (kPriorDof + sum.redundancy);
+    return Scale(std::max(smallest_factor_, std::sqrt(variance)));
+  }
+
+  /// Replaces the mode of the variances by their posterior mean, which allows for what is not known
+  /// of them.
+  void TakeMean() {
+    const double dof = kPriorDof + redundancy_;
+    if (dof > kLeastDof) Scale(factor_ * std::sqrt(dof / (dof - 2.0)));
+  }
+
+  void Append(std::vector<NoiseSize>* list) const {
+    const double dof = kPriorDof + redundancy_;
+    for (const Size& size : sizes_) {
+      list->push_back({size.name, size.unit, size.start / size.unit_si, *size.value / size.unit_si,
+                       1.0 / std::sqrt(2.0 * dof), redundancy_});
+    }
+  }
+
+ private:
+  // A posterior with fewer degrees of freedom keeps its mode.
+  static constexpr double kLeastDof = 4.0;
+
+  struct Size {
+    std::string name, unit;
+    double unit_si, start;
+    double* value;
+  };
+
+  double Scale(double factor) {
+    const double change = std::abs(factor / factor_ - 1.0);
+    last_factor_ = std::exchange(factor_, factor);
+    for (const Size& size : sizes_) *size.value = factor * size.start;
+    return change;
+  }
+
+  std::vector<std::string> channels_;
+  double smallest_factor_;
+  std::vector<Size> sizes_;
+  double factor_ = 1.0, last_factor_ = 1.0, redundancy_ = 0.0;
+};
+
+/// Units of the noise of a triad in flight.yaml, in SI.
+struct TriadUnits {
+  const char *white, *markov, *walk;
+  double white_si, markov_si, walk_si;
+};
+
+ScaledSizes WhiteNoise(const std::string& name, const TriadUnits& units,
+                       std::vector<std::string> channels, SensorNoise* noise) {
+  ScaledSizes scaled(std::move(channels), 0.0);
+  scaled.Add("imu." + name + ".white", units.white, units.white_si, &noise->white);
+  return scaled;
+}
+
+ScaledSizes Processes(const std::string& name, const TriadUnits& units, SensorNoise* noise) {
+  ScaledSizes scaled({name + " bias process"}, 0.0);
+  for (std::size_t k = 0; k < noise->processes.size(); ++k) {
+    BiasProcess& process = noise->processes[k];
+    if (process.type == BiasProcess::Type::kRandomConstant) continue;
+    const bool walk = process.type == BiasProcess::Type::kRandomWalk;
+    scaled.Add("imu." + name + ".processes[" + std::to_string(k) + "]",
+               walk ? units.walk : units.markov, walk ? units.walk_si : units.markov_si,
+               &process.sigma);
+  }
+  return scaled;
+}
+
+/// Returns all sizes that are estimated. They point into the configuration.
+std::vector<ScaledSizes> EstimatedSizes(FlightConfig* config) {
+  const TriadUnits gyro{"deg/sqrt(h)",
+                        "deg/h",
+                        "deg/h/sqrt(h)",
+                        RadPerSqrtSFromDegPerSqrtHour(1.0),
+                        RadpsFromDegPerHour(1.0),
+                        RadpsPerSqrtSFromDegPerHourPerSqrtHour(1.0)};
+  const TriadUnits accel{"m/s/sqrt(h)",   "mg",
+                         "mg/sqrt(h)",    MpsPerSqrtSFromMpsPerSqrtHour(1.0),
+                         Mps2FromMg(1.0), Mps2PerSqrtSFromMgPerSqrtHour(1.0)};
+  ImuModel& model = config->imu->model;
+  std::vector<ScaledSizes> all{
+      WhiteNoise("gyro", gyro, {"inertial gyro"}, &model.gyro),
+      WhiteNoise("accel", accel, {"inertial velocity", "inertial position"}, &model.accel),
+      Processes("gyro", gyro, &model.gyro), Processes("accel", accel, &model.accel)};
+  ScaledSizes& gnss = all.emplace_back(ScaledSizes({"gnss position", "gnss velocity"}, 1.0));
+  gnss.Add("gnss.sigma_scale", "1", 1.0, &config->gnss->sigma_scale);
+  return all;
+}
+
+/// Starts white noise that the flight does not state at the level of the raw data.
+void StartAtRawLevel(const ImuData& imu, ImuModel* model) {
+  const ImuModel unstated = UnknownImu();
+  const WhiteNoiseDensities raw = EstimateWhiteNoise(imu);
+  if (model->gyro.white == unstated.gyro.white && raw.gyro_rad_per_sqrt_s > 0.0) {
+    model->gyro.white = raw.gyro_rad_per_sqrt_s;
+  }
+  if (model->accel.white == unstated.accel.white && raw.accel_mps_per_sqrt_s > 0.0) {
+    model->accel.white = raw.accel_mps_per_sqrt_s;
+  }
+}
+
+/// Returns the misfits with the start sizes, or with larger ones if the sensors contradict each
+/// other with those. Throws the first exception if they still do.
+std::map<std::string, Misfit> FirstMisfits(const Flight& flight, const AdjustOptions& options,
+                                           std::vector<ScaledSizes>* all) {
+  std::optional<SensorsContradict> first;
+  for (int doublings = 0; doublings <= kMostDoublings; ++doublings) {
+    try {
+      return ChannelMisfits(Adjust(flight, options), options.threads);
+    } catch (const SensorsContradict& e) {
+      if (!first) first.emplace(e);
+      for (ScaledSizes& sizes : *all) sizes.Double();
+    }
+  }
+  throw SensorsContradict(*first);
+}
+
+}  // namespace
+
+bool HasUnknownNoise(const FlightConfig& config) {
+  return config.imu && config.imu->grade == kUnknownGrade;
+}
+
+NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
+  StartAtRawLevel(*flight->imu, &flight->config.imu->model);
+  std::vector<ScaledSizes> all = EstimatedSizes(&flight->config);
+  NoiseSizes found;
+  std::map<std::string, Misfit> misfits = FirstMisfits(*flight, options, &all);
+  while (true) {
+    ++found.rounds;
+    double change = 0.0;
+    for (ScaledSizes& sizes : all) change = std::max(change, sizes.Update(misfits));
+    found.converged = change < kSmallestChange;
+    if (found.converged || found.rounds == kMostRounds) break;
+    try {
+      misfits = ChannelMisfits(Adjust(*flight, options), options.threads);
+    } catch (const SensorsContradict&) {
+      for (ScaledSizes& sizes : all) sizes.GoBack();
+      break;
+    }
+  }
+  for (ScaledSizes& sizes : all) {
+    sizes.TakeMean();
+    sizes.Append(&found.sizes);
+  }
+  return found;
+}
+
+}  // namespace dn

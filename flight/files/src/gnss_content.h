@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string_view>
+
+#include "content_fit.h"
+#include "text_sample.h"
+
+namespace dn::files_internal {
+
+/// Fits a text to GNSS positions in latitude, longitude (in any order) and height. Without names in
+/// a header they follow the time, and the number of columns says whether sigmas and velocities
+/// follow.
+ContentFit FitGnss(const TextSample& sample);
+
+/// Returns the format of a file that begins with these lines: NMEA if one of them is a GGA or RMC
+/// sentence, RTKLIB if one is the header of a solution or the row of a solution without header.
+std::optional<GnssFormat> FindGnssFormat(std::string_view beginning);
+
+}  // namespace dn::files_internal

@@ -1,0 +1,201 @@
+#include "picked_columns.h"
+
+#include <dn/median.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "content_fit.h"
+
+namespace dn::files_internal {
+namespace {
+
+struct TimeUnit {
+  const char* name;
+  double seconds;
+};
+constexpr std::array<TimeUnit, 4> kTimeUnits{
+    {{"t", 1.0}, {"t_ms", 1e-3}, {"t_us", 1e-6}, {"t_ns", 1e-9}}};
+
+constexpr double kNanosecond = 1e-9;
+
+// The share of the steps that must be positive; the others are repeated rows.
+constexpr double kLeastIncreasing = 0.9;
+
+double UnitSeconds(const std::string& name) {
+  return std::find_if(kTimeUnits.begin(), kTimeUnits.end(),
+                      [&](const TimeUnit& unit) { return unit.name == name; })
+      ->seconds;
+}
+
+std::vector<double> Times(const TextSample& sample, const TimeColumn& time) {
+  std::vector<double> times;
+  for (const double value : PickRows(sample, time, {}).values) times.push_back(value);
+  return times;
+}
+
+/// Sets the unit by the size of the steps. Returns false if no unit fits, or if the time does not
+/// increase.
+bool FindUnit(const TextSample& sample, const StepRange& range, bool unit_is_named,
+              TimeColumn* time) {
+  const std::vector<double> times = Times(sample, *time);
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
+  }
+  if (steps.empty() || static_cast<double>(steps.size()) <
+                           kLeastIncreasing * static_cast<double>(times.size() - 1)) {
+    return false;
+  }
+  const double step = Median(steps);
+  const auto plausible = [&](double step_s) {
+    return step_s >= range.least_s && step_s <= range.most_s;
+  };
+  if (unit_is_named) return plausible(step);
+  // The steps of several units may be plausible, but only one gives valid times.
+  for (const bool valid : {true, false}) {
+    for (const TimeUnit& unit : kTimeUnits) {
+      if (!plausible(step * unit.seconds)) continue;
+      if (valid && !IsTime(times.front() * unit.seconds)) continue;
+      time->name = unit.name;
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Returns whether all values are nanoseconds within a second.
+bool AreNanoseconds(const TextTable& table, std::size_t at) {
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double value = table.row(i)[at];
+    if (!(value >= 0.0 && value < 1.0 / kNanosecond)) return false;
+  }
+  return true;
+}
+
+/// Returns whether a time is the stamp of a sensor, not the time of recording.
+bool IsStamp(const std::string& name) {
+  const std::size_t at = name.find("stamp");
+  return at != name.npos && (at == 0 || name[at - 1] == '.' || name[at - 1] == '_');
+}
+
+/// Returns the columns with a time in their name, stamps first: whole seconds with nanoseconds,
+/// then single columns.
+std::vector<TimeColumn> NamedTimes(const TextSample& sample,
+                                   const std::vector<ColumnMeaning>& meanings) {
+  std::vector<TimeColumn> times;
+  for (const bool stamp : {true, false}) {
+    for (std::size_t i = 0; i < meanings.size(); ++i) {
+      if (!meanings[i].name.starts_with("t") || IsStamp(sample.names[i]) != stamp) continue;
+      const bool pair = meanings[i].name == "t" && i + 1 < meanings.size() &&
+                        meanings[i + 1].name == "t_ns" && AreNanoseconds(sample.table, i + 1);
+      if (pair) times.push_back({i, {}, "t", i + 1});
+      times.push_back({i, {}, meanings[i].name});
+    }
+  }
+  return times;
+}
+
+}  // namespace
+
+bool IsWeek(const TextTable& table, std::size_t at) {
+  constexpr double kFirstWeek = 500.0, kLastWeek = 4000.0;
+  const double first = table.row(0)[at];
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double week = table.row(i)[at];
+    if (week != std::floor(week) || week < kFirstWeek || week > kLastWeek) return false;
+    if (week != first && week != first + 1.0) return false;
+  }
+  return true;
+}
+
+std::vector<ColumnMeaning> FindMeanings(const TextSample& sample) {
+  std::vector<ColumnMeaning> meanings;
+  for (const std::string& name : sample.names) meanings.push_back(FindMeaning(name));
+  return meanings;
+}
+
+std::optional<NamedColumn> FindColumn(const std::vector<ColumnMeaning>& meanings,
+                                      const std::string& name) {
+  for (std::size_t i = 0; i < meanings.size(); ++i) {
+    if (meanings[i].name == name) return NamedColumn{name, i};
+  }
+  return std::nullopt;
+}
+
+std::vector<NamedColumn> FindMinutes(const std::vector<ColumnMeaning>& meanings) {
+  std::vector<NamedColumn> added;
+  for (const char* name : {"lat_min", "lat_sec", "lon_min", "lon_sec"}) {
+    if (const auto column = FindColumn(meanings, name)) added.push_back(*column);
+  }
+  return added;
+}
+
+std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps) {
+  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
+  const auto week = FindColumn(meanings, "week");
+  for (TimeColumn& time : NamedTimes(sample, meanings)) {
+    if (week) time.week = week->at;
+    const bool unit_is_named = !meanings[time.at].unit.empty() || time.name != "t";
+    if (FindUnit(sample, steps, unit_is_named, &time)) return time;
+  }
+  std::vector<TimeColumn> candidates{{0, {}}};
+  if (sample.table.columns > 2 && sample.table.rows() > 1) {
+    if (IsWeek(sample.table, 0)) candidates.insert(candidates.begin(), {1, 0});
+    if (IsWeek(sample.table, 1)) candidates.insert(candidates.begin(), {0, 1});
+  }
+  for (TimeColumn& time : candidates) {
+    if (FindUnit(sample, steps, false, &time)) return time;
+  }
+  return std::nullopt;
+}
+
+TextTable PickRows(const TextSample& sample, const TimeColumn& time,
+                   const std::vector<NamedColumn>& columns) {
+  TextTable picked;
+  picked.file = sample.table.file;
+  picked.columns = 1 + columns.size();
+  std::vector<double> values;
+  for (std::size_t i = 0; i < sample.table.rows(); ++i) {
+    const double* row = sample.table.row(i);
+    values.assign(1, row[time.at] * UnitSeconds(time.name));
+    if (time.nanoseconds) values[0] += kNanosecond * row[*time.nanoseconds];
+    if (time.week) values[0] += kWeekS * (row[*time.week] - sample.table.row(0)[*time.week]);
+    for (const NamedColumn& column : columns) values.push_back(row[column.at]);
+    if (!std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
+      continue;
+    picked.values.insert(picked.values.end(), values.begin(), values.end());
+    picked.lines.push_back(sample.table.lines[i]);
+  }
+  return picked;
+}
+
+bool AreNumbers(const TextTable& picked, const TextSample& sample) {
+  constexpr double kLeastShare = 0.9;
+  return picked.rows() > 0 && static_cast<double>(picked.rows()) >=
+                                  kLeastShare * static_cast<double>(sample.table.rows());
+}
+
+ColumnNames FormatNames(const TimeColumn& time, const std::vector<NamedColumn>& columns) {
+  std::vector<NamedColumn> all = columns;
+  all.push_back({time.name, time.at});
+  if (time.week) all.push_back({"week", *time.week});
+  if (time.nanoseconds) all.push_back({"nsec", *time.nanoseconds});
+  std::size_t last = 0;
+  for (const NamedColumn& column : all) last = std::max(last, column.at);
+  ColumnNames names(last + 1, "skip");
+  for (const NamedColumn& column : all) names[column.at] = column.name;
+  return names;
+}
+
+double MedianTimeStep(const TextTable& table) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    const double step = table.row(i)[0] - table.row(i - 1)[0];
+    if (step > 0.0) steps.push_back(step);
+  }
+  return steps.empty() ? 0.0 : Median(steps);
+}
+
+}  // namespace dn::files_internal

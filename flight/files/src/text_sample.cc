@@ -1,0 +1,153 @@
+#include "text_sample.h"
+
+#include <dn/error.h>
+#include <dn/geo/text_fields.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "column_meaning.h"
+
+namespace dn::files_internal {
+namespace {
+
+using Fields = std::vector<std::string_view>;
+
+constexpr std::size_t kLeastColumns = 4;
+
+bool BeginsWithNumber(const Fields& fields) {
+  return fields.size() > 1 && (FieldNumber(fields[0]) || FieldNumber(fields[1]));
+}
+
+bool IsRow(const Fields& fields) {
+  if (fields.size() < kLeastColumns) return false;
+  const auto numbers = std::count_if(fields.begin(), fields.end(), [](std::string_view field) {
+    return FieldNumber(field).has_value();
+  });
+  return numbers > 1 && BeginsWithNumber(fields);
+}
+
+std::vector<std::string> Names(const Fields& fields) { return {fields.begin(), fields.end()}; }
+
+void AppendFields(const Fields& fields, long line, TextTable* table) {
+  for (std::size_t i = 0; i < table->columns; ++i) {
+    const auto value = i < fields.size() ? FieldNumber(fields[i]) : std::nullopt;
+    table->values.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
+  }
+  table->lines.push_back(line);
+}
+
+/// Splits a line where at least two blanks or a tab separate names of several words.
+Fields SplitWide(std::string_view line) {
+  Fields fields;
+  while (true) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == line.npos) return fields;
+    line.remove_prefix(begin);
+    const std::size_t end =
+        std::min({line.find("  "), line.find('\t'), line.find('\r'), line.size()});
+    fields.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+}
+
+/// Adds minutes and seconds to latitude and longitude if the rows have four more columns than the
+/// line has names.
+std::vector<std::string> WithMinutes(const std::vector<std::string>& names, std::size_t columns) {
+  if (names.size() + 4 != columns) return names;
+  std::vector<std::string> longer;
+  for (const std::string& name : names) {
+    longer.push_back(name);
+    const std::string meaning = FindMeaning(name).name;
+    if (meaning != "lat" && meaning != "lon") continue;
+    longer.push_back(meaning + " min");
+    longer.push_back(meaning + " sec");
+  }
+  return longer;
+}
+
+/// Takes the names of the line with the most names of known meaning, such as those above a line of
+/// units. Lines with as many names as columns are preferred.
+void SetNames(const std::vector<std::vector<std::string>>& headers, TextSample* sample) {
+  const std::size_t columns = sample->table.columns;
+  std::ptrdiff_t most = 0;
+  bool is_exact = false;
+  for (const std::vector<std::string>& header : headers) {
+    const std::vector<std::string> names = WithMinutes(header, columns);
+    if (names.size() < columns || (is_exact && names.size() != columns)) continue;
+    const auto known = std::count_if(names.begin(), names.end(), [](const std::string& name) {
+      return !FindMeaning(name).name.empty();
+    });
+    const bool first_exact = names.size() == columns && !is_exact && known > 1;
+    if (known <= most && !first_exact) continue;
+    most = known;
+    is_exact = names.size() == columns;
+    sample->names.assign(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(columns));
+  }
+}
+
+std::optional<std::size_t> FindName(const TextSample& sample, const std::string& meaning) {
+  for (std::size_t i = 0; i < sample.names.size(); ++i) {
+    if (FindMeaning(sample.names[i]).name == meaning) return i;
+  }
+  return std::nullopt;
+}
+
+/// Adds minutes and seconds to the degrees of an angle.
+void AddMinutes(const std::string& angle, TextSample* sample) {
+  const auto degrees = FindName(*sample, angle), minutes = FindName(*sample, angle + "_min"),
+             seconds = FindName(*sample, angle + "_sec");
+  if (!degrees || !minutes || !seconds) return;
+  TextTable& table = sample->table;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double* row = table.values.data() + i * table.columns;
+    const double part = row[*minutes] / 60.0 + row[*seconds] / 3600.0;
+    row[*degrees] += std::copysign(part, row[*degrees]);
+  }
+}
+
+}  // namespace
+
+TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_rows) {
+  TextSample sample;
+  TextTable& table = sample.table;
+  table.file = file;
+  std::vector<std::vector<std::string>> headers;
+  std::size_t most_fields = 0;
+  LineReader lines(file);
+  for (std::string_view line; table.rows() < max_rows && lines.Next(&line);) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string_view::npos) continue;
+    const bool comment = line[begin] == '#' || line[begin] == '%';
+    const std::string_view text = comment ? line.substr(begin + 1) : line;
+    const Fields fields = SplitFields(text);
+    if (comment || !IsRow(fields)) {
+      if (BeginsWithNumber(fields)) most_fields = std::max(most_fields, fields.size());
+      if (table.columns == 0) {
+        headers.push_back(Names(fields));
+        headers.push_back(Names(SplitWide(text)));
+      }
+      sample.needs_names = sample.needs_names || !comment || line[begin] == '%';
+      continue;
+    }
+    if (table.columns == 0) {
+      table.columns = fields.size();
+      sample.needs_names = sample.needs_names || line.find(';') != std::string_view::npos;
+    }
+    if (fields.size() + 1 >= table.columns) AppendFields(fields, lines.line(), &table);
+  }
+  if (table.rows() == 0) {
+    if (most_fields > 0 && most_fields < kLeastColumns) {
+      throw InvalidInput(std::to_string(most_fields) +
+                         " columns, which match no known kind of file");
+    }
+    throw InvalidInput("no line has numbers in its first two columns", {file.string()});
+  }
+  SetNames(headers, &sample);
+  for (const char* angle : {"lat", "lon"}) AddMinutes(angle, &sample);
+  return sample;
+}
+
+}  // namespace dn::files_internal

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <dn/geo/text_table.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace dn::files_internal {
+
+/// Rows of a text of any columns. Fields that are not finite numbers are NaN.
+struct TextSample {
+  std::vector<std::string> names;  ///< of the columns, from a header; empty if there is none
+  TextTable table;
+  /// True if the file has header lines or other separators, so that ReadTextTable does not read it.
+  bool needs_names = false;
+};
+
+/// Reads the first rows of a text, at most max_rows. The names are those of the line before the
+/// first row that has the most names of known meaning; it may begin with # or %. The last
+/// field of a row may be missing; rows with fewer fields are left out. Throws InvalidInput if no
+/// line has a number in its first two fields, and for fewer than 4 columns.
+TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_rows);
+
+}  // namespace dn::files_internal

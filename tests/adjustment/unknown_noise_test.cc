@@ -1,0 +1,107 @@
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/unknown_noise.h>
+#include <dn/diagnosis/solution.h>
+#include <dn/imu/unknown_imu.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "testing/short_flights.h"
+
+namespace dn::adjustment_test {
+
+/// A simulated flight whose configuration does not state the noise of its inertial unit.
+SimulatedFlight FlyUnknown(const Scenario& scenario, unsigned seed) {
+  SimulatedFlight sim = testing::Fly(scenario, seed);
+  sim.flight.config.imu->grade = kUnknownGrade;
+  sim.flight.config.imu->model = UnknownImu();
+  return sim;
+}
+
+std::map<std::string, NoiseSize> ByName(const NoiseSizes& noise) {
+  std::map<std::string, NoiseSize> sizes;
+  for (const NoiseSize& size : noise.sizes) sizes[size.name] = size;
+  return sizes;
+}
+
+// The unknown unit is assumed to be a thousand times worse than one of the two true ones.
+class UnknownNoise : public ::testing::TestWithParam<bool> {
+ protected:
+  static Scenario MakeScenario() {
+    return GetParam() ? testing::AircraftScenario() : testing::DroneScenario();
+  }
+};
+
+TEST_P(UnknownNoise, IsFoundFromTheData) {
+  SimulatedFlight sim = FlyUnknown(MakeScenario(), 3);
+  const NoiseSizes noise = EstimateNoise({}, &sim.flight);
+  EXPECT_TRUE(noise.converged);
+  const auto sizes = ByName(noise);
+  const ImuModel& truth = MakeScenario().imu.model;
+  const double gyro_si = RadPerSqrtSFromDegPerSqrtHour(sizes.at("imu.gyro.white").value);
+  const double accel_si = MpsPerSqrtSFromMpsPerSqrtHour(sizes.at("imu.accel.white").value);
+  EXPECT_LT(std::abs(std::log(gyro_si / truth.gyro.white)), std::log(1.5));
+  EXPECT_LT(std::abs(std::log(accel_si / truth.accel.white)), std::log(1.5));
+  EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 1.0, 0.1);
+  EXPECT_EQ(sim.flight.config.imu->model.gyro.white, gyro_si);
+}
+
+TEST_P(UnknownNoise, GivesTheBoresightAnHonestSigma) {
+  SimulatedFlight sim = FlyUnknown(MakeScenario(), 3);
+  const Solution assumed(sim.flight);
+  EstimateNoise({}, &sim.flight);
+  const Solution estimated(sim.flight);
+  const BoresightResult boresight = estimated.CheckedBoresight();
+  EXPECT_EQ(boresight.verdict, Verdict::kCalibrated);
+  const Eigen::Vector3d error = boresight.angles_rad - sim.boresight_rad;
+  EXPECT_LT(error.cwiseQuotient(boresight.sigma_rad()).cwiseAbs().maxCoeff(), 3.5);
+  EXPECT_TRUE(
+      (boresight.sigma_rad().array() < assumed.CheckedBoresight().sigma_rad().array()).all());
+}
+
+INSTANTIATE_TEST_SUITE_P(Flights, UnknownNoise, ::testing::Bool(),
+                         [](const auto& tested) { return tested.param ? "Aircraft" : "Drone"; });
+
+// GNSS positions that are worse than stated are found, and figures of a data sheet are a start.
+TEST(UnknownNoise, GnssSigmasGrowAndStatedFiguresAreTheStart) {
+  SimulatedFlight sim =
+      FlyUnknown(testing::DroneScenario("effects: [{effect: gnss_noise_scale, value: 2}]\n"), 3);
+  sim.flight.config.imu->model.gyro.white = RadPerSqrtSFromDegPerSqrtHour(0.5);
+  const auto sizes = ByName(EstimateNoise({}, &sim.flight));
+  EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 2.0, 0.25);
+  EXPECT_NEAR(sizes.at("imu.gyro.white").start, 0.5, 1e-12);
+}
+
+// With the stated noise, the sensors contradict each other. Here this does not end the work.
+TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
+  SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
+  sim.flight.config.imu->grade = kUnknownGrade;
+  double sign = 1.0;
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) epoch.p_m.x() += 1.2 * (sign = -sign);
+  EXPECT_THROW(Adjust(sim.flight), SensorsContradict);
+  // One axis of three has errors of 80 sigmas.
+  const auto sizes = ByName(EstimateNoise({}, &sim.flight));
+  EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 80.0 / std::sqrt(3.0), 8.0);
+}
+
+// The accelerometers of this flight show nothing of their white noise.
+TEST(UnknownNoise, MayBeTenTimesTheStatedOne) {
+  SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
+  ImuModel& stated = sim.flight.config.imu->model;
+  const double truth = stated.gyro.white;
+  stated.gyro.white *= 0.1;
+  EstimateNoise({}, &sim.flight);
+  EXPECT_NEAR(stated.gyro.white / truth, 1.0, 0.4);
+}
+
+TEST(UnknownNoise, IsThatOfFlightsWithoutDataSheet) {
+  SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
+  EXPECT_FALSE(HasUnknownNoise(sim.flight.config));
+  sim.flight.config.imu->grade = kUnknownGrade;
+  EXPECT_TRUE(HasUnknownNoise(sim.flight.config));
+}
+
+}  // namespace dn::adjustment_test

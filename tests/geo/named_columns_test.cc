@@ -1,0 +1,147 @@
+#include <dn/geo/local_frame.h>
+#include <dn/geo/named_columns.h>
+#include <dn/geo/text_fields.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_file.h"
+
+namespace dn::geo_test {
+
+using ::testing::ElementsAre;
+using testing::ExpectInvalid;
+using testing::TempFile;
+
+const std::vector<std::string> kQuantities{"lat", "lon", "h", "vu", "heading"};
+
+TextTable Read(const std::string& text, const ColumnNames& names,
+               const std::vector<std::string>& quantities) {
+  const TempFile file("table.txt", text);
+  return ReadNamedColumns(file.path(), names, quantities);
+}
+
+TEST(TextFields, SeparatorsBlanksAndQuotes) {
+  EXPECT_THAT(SplitFields(" 1  2\t3\r"), ElementsAre("1", "2", "3"));
+  EXPECT_THAT(SplitFields("1, 2,,\"a, b\", 5, "), ElementsAre("1", "2", "", "a, b", "5"));
+  EXPECT_THAT(SplitFields("1;2,5;x y;"), ElementsAre("1", "2,5", "x y"));
+  EXPECT_TRUE(SplitFields(" \t\r").empty());
+  EXPECT_EQ(FieldNumber("+1.5"), 1.5);
+  EXPECT_FALSE(FieldNumber("nan"));
+  EXPECT_FALSE(FieldNumber("1.#IND"));
+  EXPECT_FALSE(FieldNumber("1x"));
+}
+
+TEST(NamedColumns, AnyOrderSignAndUnit) {
+  const TextTable t = Read(
+      "time (ms),note,height,lon,lat,vd\n"
+      "s,,m,deg,deg,m/s\n"
+      "1000,\"on, line\",500,0.5,46,-1.5,further\n"
+      "# a remark\n"
+      "2000,text,501,0.5,47,2\n",
+      {"t_ms", "skip", "h", "-lon_rad", "lat", "vd"}, {"lat", "lon", "h", "vu"});
+  ASSERT_EQ(t.rows(), 2u);
+  ASSERT_EQ(t.columns, 5u);
+  EXPECT_EQ(t.row(0)[0], 1.0);
+  EXPECT_EQ(t.row(0)[1], 46.0);
+  EXPECT_EQ(t.row(0)[2], -0.5 * kDegPerRad);
+  EXPECT_EQ(t.row(0)[3], 500.0);
+  EXPECT_EQ(t.row(0)[4], 1.5);
+  EXPECT_EQ(t.row(1)[4], -2.0);
+  EXPECT_EQ(t.lines, (std::vector<long>{3, 5}));
+}
+
+TEST(NamedColumns, UnitsOfTimeAndWeeks) {
+  for (const auto& [name, text] :
+       {std::pair{"t", "1.5"}, {"t_ms", "1500"}, {"t_us", "1500000"}, {"t_ns", "1500000000"}}) {
+    EXPECT_DOUBLE_EQ(Read(std::string(text) + " 7\n", {name, "h"}, {"h"}).row(0)[0], 1.5) << name;
+  }
+  const TextTable t = Read("2280 604799 1\n2281 0 2\n", {"week", "t", "h"}, {"h"});
+  EXPECT_EQ(t.row(0)[0], 604799.0);
+  EXPECT_EQ(t.row(1)[0], 604800.0);
+}
+
+TEST(NamedColumns, OtherNamesOfAQuantity) {
+  const std::vector<std::string> quantities{"lat", "lon", "h", "heading"};
+  for (const ColumnNames& names : {ColumnNames{"t", "east", "north", "up", "yaw"},
+                                   ColumnNames{"t", "x", "y", "z", "heading"}}) {
+    EXPECT_EQ(Read("1 2 3 4 5\n", names, quantities).values, (std::vector<double>{1, 2, 3, 4, 5}));
+  }
+}
+
+TEST(TextFields, MessagesOfAReceiver) {
+  EXPECT_THAT(SplitMessage("%RAWIMUSA,2280,381000.0;2280,381000.005,-1,\"a,b\",2*c01b540c\r"),
+              ElementsAre("RAWIMUSA", "2280", "381000.0", "2280", "381000.005", "-1", "a,b", "2"));
+  EXPECT_THAT(SplitMessage("#A,1;2"), ElementsAre("A", "1", "2"));
+  EXPECT_THAT(SplitMessage("$VNIMU,+01.5,-2*5F"), ElementsAre("VNIMU", "+01.5", "-2"));
+  EXPECT_THAT(SplitMessage("IMU 1 2"), ElementsAre("IMU", "1", "2"));
+  EXPECT_TRUE(SplitMessage("#\r").empty());
+}
+
+TEST(NamedColumns, ConditionsSelectRows) {
+  const std::string log =
+      "IMU, 1, 9, bad\n"
+      "GPS, 1.5, 500, FIX\n"
+      "# remark\n"
+      "GPS, 2.5, 501, NONE\n"
+      "GPS, 3.5, 502, FLOAT\n"
+      "GPS, 4.5\n";
+  const TextTable t = Read(log, {"=GPS", "t", "h", "=FIX|FLOAT"}, {"h"});
+  EXPECT_EQ(t.values, (std::vector<double>{1.5, 500.0, 3.5, 502.0}));
+  EXPECT_EQ(t.lines, (std::vector<long>{2, 5}));
+  // A condition elsewhere leaves comments as they are.
+  EXPECT_EQ(Read("# 1 5 A\n1 5 A\n2 6 B\n", {"t", "h", "=A"}, {"h"}).rows(), 1u);
+  ExpectInvalid([&] { Read(log, {"=BARO", "t", "h"}, {"h"}); }, "no rows of numbers", 0);
+}
+
+TEST(NamedColumns, ColumnsThatAreAdded) {
+  const std::vector<std::string> quantities{"lat", "lon", "h"};
+  const TextTable t = Read(
+      "100 500000000 46 30 36 -0 7 12 400 48.5\n",
+      {"t", "nsec", "lat", "lat_min", "lat_sec", "lon", "lon_min", "lon_sec", "h", "undulation"},
+      quantities);
+  EXPECT_DOUBLE_EQ(t.row(0)[0], 100.5);
+  EXPECT_DOUBLE_EQ(t.row(0)[1], 46.51);
+  EXPECT_DOUBLE_EQ(t.row(0)[2], -0.12);
+  EXPECT_DOUBLE_EQ(t.row(0)[3], 448.5);
+  const TextTable south =
+      Read("1 46 30 0 7 5\n", {"t", "-lat", "lat_min", "lat_sec", "lon", "h"}, quantities);
+  EXPECT_DOUBLE_EQ(south.row(0)[1], -46.5);
+}
+
+TEST(NamedColumns, AHeaderMayBeginWithNumbers) {
+  const TextTable t =
+      Read("Datum 1984 x\n2020 01 02\n1 2 3 4\n", {"t", "skip", "skip", "h"}, {"h"});
+  EXPECT_EQ(t.values, (std::vector<double>{1.0, 4.0}));
+}
+
+TEST(NamedColumns, RejectsBadRowsEachByItsOwnMessage) {
+  const ColumnNames names{"t", "skip", "lat"};
+  const auto read = [&](const std::string& text) { return [=] { Read(text, names, {"lat"}); }; };
+  ExpectInvalid(read("1 x 46\n2 x\n"), "row has 2 columns, but `columns` names 3", 2);
+  ExpectInvalid(read("1 x 46\n2 x 1.#IND\n"), "'1.#IND' is not a finite number", 2);
+  ExpectInvalid(read("1 x 46\ntime x 46\n"), "'time' is not a number", 2);
+  ExpectInvalid(read("time a lat\n1 x nan\n"), "'nan' is not a finite number", 2);
+  ExpectInvalid(read("time a lat\n"), "no rows of numbers", 0);
+  ExpectInvalid([&] { Read("1 2 3\n", names, {"lat", "lon"}); }, "`columns` has no lon", 0);
+}
+
+TEST(NamedColumns, ChecksNames) {
+  const auto check = [](const ColumnNames& names) {
+    return [=] { CheckColumnNames(names, kQuantities); };
+  };
+  check({"t_ms", "week", "lat", "-lon", "z", "skip", "skip", "vd", "yaw_rad"})();
+  check({"=GPS", "t", "lat_min", "undulation", "nsec", "=A|B", "=A"})();
+  ExpectInvalid(
+      [] {
+        CheckColumnNames({"t", "undulation"}, {"wx"});
+      },
+      "'undulation' is not a column", 0);
+  ExpectInvalid(check({"t", "latitude"}), "'latitude' is not a column; the columns are t", 0);
+  ExpectInvalid(check({"t", "lat", "-lat"}), "'-lat' is named twice", 0);
+  ExpectInvalid(check({"t", "vu", "vd"}), "'vd' is named twice", 0);
+  ExpectInvalid(check({"lat", "lon"}), "no column is the time", 0);
+  EXPECT_EQ(FormatColumnNames({"t", "-fx", "skip"}), "[t, -fx, skip]");
+}
+
+}  // namespace dn::geo_test
