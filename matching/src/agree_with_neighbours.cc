@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "median_by_axis.h"
@@ -17,8 +18,8 @@ using Eigen::Vector3d;
 constexpr std::size_t kNeighbours = 8;
 constexpr std::size_t kFewest = 4;
 constexpr double kMostSigmas = 3.5;
-// Variance of the difference between a value and the median of eight others of the same accuracy.
-constexpr double kWithMedian = 1.2;
+// Variance of the median of normal values, relative to that of their mean.
+constexpr double kMedianOverMean = std::numbers::pi / 2.0;
 
 /// Returns the shifts minus a plane over east and north. Such a plane is the effect of a constant
 /// attitude error between two strips.
@@ -28,8 +29,13 @@ std::vector<PlacedShift> WithoutTrend(std::vector<PlacedShift> shifts) {
   return shifts;
 }
 
-/// Returns the median of the shifts of the nearest neighbours, per axis.
-Vector3d NeighbourMedian(std::size_t i, const std::vector<PlacedShift>& shifts) {
+/// The median of the shifts of the nearest neighbours, per axis.
+struct Neighbours {
+  Vector3d median_m;
+  Vector3d variance_m2;
+};
+
+Neighbours MakeNeighbours(std::size_t i, const std::vector<PlacedShift>& shifts) {
   std::vector<std::size_t> others(shifts.size());
   std::iota(others.begin(), others.end(), std::size_t{0});
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
@@ -41,8 +47,13 @@ Vector3d NeighbourMedian(std::size_t i, const std::vector<PlacedShift>& shifts) 
                     others.end(),
                     [&](std::size_t p, std::size_t q) { return off_m2(p) < off_m2(q); });
   std::vector<Vector3d> nearest;
-  for (std::size_t k = 0; k < count; ++k) nearest.push_back(shifts[others[k]].shift_m);
-  return MedianByAxis(nearest);
+  Vector3d sum_m2 = Vector3d::Zero();
+  for (std::size_t k = 0; k < count; ++k) {
+    nearest.push_back(shifts[others[k]].shift_m);
+    sum_m2 += shifts[others[k]].covariance_m2.diagonal();
+  }
+  const auto n = static_cast<double>(count);
+  return {MedianByAxis(nearest), kMedianOverMean / (n * n) * sum_m2};
 }
 
 }  // namespace
@@ -54,21 +65,25 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   const std::vector<PlacedShift> shifts = WithoutTrend(given);
   std::vector<Vector3d> left(shifts.size());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
-    left[i] = (shifts[i].shift_m - NeighbourMedian(i, shifts)).array() /
-              shifts[i].covariance_m2.diagonal().array().sqrt();
+    const Neighbours neighbours = MakeNeighbours(i, shifts);
+    left[i] = (shifts[i].shift_m - neighbours.median_m).array() /
+              (shifts[i].covariance_m2.diagonal() + neighbours.variance_m2).array().sqrt();
   }
-  double variance = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
     const double scale = std::max(1.0, kSigmaPerMedian * Median(sizes));
-    variance += scale * scale / 3.0 / kWithMedian;
-
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       if (sizes[i] > kMostSigmas * scale) out.agrees[i] = false;
     }
   }
-  out.variance_factor = std::max(1.0, variance);
+  double squares = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    if (!out.agrees[i]) continue;
+    squares += left[i].squaredNorm();
+    count += 3.0;
+  }
+  if (count > 0.0) out.variance_factor = std::max(1.0, squares / count);
   return out;
 }
 

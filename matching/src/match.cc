@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "agree_with_neighbours.h"
@@ -30,6 +31,7 @@ using matching_internal::CoarsePair;
 using matching_internal::GatherCell;
 using matching_internal::GroundCell;
 using matching_internal::HeightRaster;
+using matching_internal::kReach_gsd;
 using matching_internal::MakeRaster;
 using matching_internal::RasterGrid;
 using matching_internal::Registration;
@@ -38,7 +40,6 @@ using matching_internal::StripSample;
 // Lengths in ground sampling distances.
 constexpr double kSampleCell_gsd = 2.0;  // so small that a shifted raster has few holes
 constexpr double kRasterCell_gsd = 3.0;
-constexpr double kReach_gsd = 3.0;
 constexpr double kMargin_gsd = 6.0;     // of the points about a cell: reach, and error of the start
 constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
 
@@ -53,6 +54,11 @@ constexpr double kCoarsePlaces = 300.0;  // approximate number per strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
+// A boresight error tilts strips against each other, and the shifts within a cell then differ. The
+// boresight of rasters is too coarse; that of a few cells is as good as the trajectory's attitude.
+constexpr std::size_t kPilotRoots = 32;
+constexpr double kSettledTurn_rad = 1e-4;
+constexpr int kMostPasses = 2;
 // A smaller ground sampling distance would leave a hundred empty cells or more for each point.
 constexpr double kLeastShareOfSpacing = 0.1;
 constexpr double kMostCells = 4e8;        // cells of a raster, 3 GB
@@ -164,10 +170,14 @@ class Matcher {
 
   MatchResult Run() {
     BringTogether();
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j);
+    if (HasBoresight()) {
+      MatchAll(kPilotRoots);
+      PlaceSamples();
     }
-    if (result_.strip_pairs.empty()) FailNoOverlap();
+    constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+    for (int pass = 1; MatchAll(kAll) > kSettledTurn_rad && pass < kMostPasses; ++pass) {
+      PlaceSamples();
+    }
     Finish();
     return std::move(result_);
   }
@@ -176,6 +186,7 @@ class Matcher {
   /// Returns the radius of the coarsest search, m.
   virtual double FirstSearch() const = 0;
   virtual AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) = 0;
+  virtual bool HasBoresight() const { return false; }
   virtual Vector3d Boresight() const { return Vector3d::Zero(); }
   /// Calls `work` with the initial alignment.
   virtual void AsGiven(const std::function<void()>& work) = 0;
@@ -304,7 +315,7 @@ class Matcher {
                       b.x[to].cast<double>(), -shift_m});
   }
 
-  void MatchStripPair(std::size_t i, std::size_t j) {
+  void MatchStripPair(std::size_t i, std::size_t j, std::size_t most_roots) {
     const auto grid = CommonGrid(samples_[i], samples_[j], BaseCell(), kFineSearch * BaseCell());
     if (!grid) return;
     StripPairMatch match;
@@ -321,8 +332,9 @@ class Matcher {
     const std::vector<Place> places = FindPlaces(raster_a, raster_b, &match);
     std::vector<Work> work;
     if (!places.empty()) {
-      const std::vector<GroundCell> roots =
+      std::vector<GroundCell> roots =
           matching_internal::ChooseCells(raster_a, raster_b, kRootCells);
+      roots.resize(std::min(roots.size(), most_roots));
       work = RegisterRoots(match, roots, places);
     }
     registered_.push_back(std::move(work));
@@ -433,13 +445,13 @@ class Matcher {
     return work;
   }
 
-  /// Returns the pair nearest to the centre of a cell.
+  /// Returns the pair nearest to the centre of the information of a cell.
   MatchedPair MakePair(std::size_t i, const matching_internal::CellMatch& match,
                        const CellPoints& in_a, const CellPoints& in_b,
                        const matching_internal::PatchSurface& b) const {
     std::size_t at = 0;
     const auto off_m2 = [&](std::size_t k) {
-      return (in_a.p_m[k].head<2>() - match.cell.centre_en_m).squaredNorm();
+      return (in_a.p_m[k].head<2>() - match.registration.centre_en_m).squaredNorm();
     };
     for (std::size_t k = 1; k < in_a.size(); ++k) {
       if (off_m2(k) < off_m2(at)) at = k;
@@ -485,13 +497,26 @@ class Matcher {
     return swath;
   }
 
-  void Finish() {
-    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(MakeSwath(s));
+  /// Matches all strips and aligns them by the pairs. Returns how far the boresight turned, rad.
+  /// most_roots: number of largest cells of a strip pair.
+  double MatchAll(std::size_t most_roots) {
+    registered_.clear();
+    result_.strip_pairs.clear();
+    const Vector3d before_rad = Boresight();
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j, most_roots);
+    }
+    if (result_.strip_pairs.empty()) FailNoOverlap();
     result_.variance_factor = VarianceFactor();
     for (std::size_t k = 0; k < registered_.size(); ++k) TakeDetermined(k);
     AlignAll();
     for (StripPairMatch& match : result_.strip_pairs) KeepAgreeing(&match);
     AlignAll();
+    return (Boresight() - before_rad).norm();
+  }
+
+  void Finish() {
+    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(MakeSwath(s));
     result_.boresight_rad = Boresight();
     PlacePairs();
   }
@@ -587,6 +612,7 @@ class FlightMatcher : public Matcher {
     return matching_internal::AlignBoresight(pairs, given_rad_, tolerance_m, options(), &source_);
   }
 
+  bool HasBoresight() const override { return true; }
   Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
 
   void AsGiven(const std::function<void()>& work) override {

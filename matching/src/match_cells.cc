@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <iterator>
 #include <optional>
 
@@ -14,13 +13,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-static double Env(const char* n, double d) {
-  const char* v = getenv(n);
-  return v ? atof(v) : d;
-}
-const double kMostSigmaOfQuarter_gsd = Env("M_SPLIT", 0.25);  // three-dimensional
-const double kLeastInformation = 0.5;
-constexpr std::size_t kPointsToSplit = 600;  // of each strip, to decide whether to split a cell
+constexpr double kMostQuarterSigma_gsd = 0.25;  // three-dimensional
+constexpr double kLeastInformation = 0.5;       // of the quarters, as a share of their cell's
+constexpr std::size_t kPointsToSplit = 600;     // of each strip, to decide whether to split a cell
 constexpr std::size_t kMostPoints = 8000;
 
 /// Covariance of a shift with the variance ratio of its own cell.
@@ -29,7 +24,7 @@ Matrix3d OwnCovariance(const Registration& registration) {
 }
 
 /// Returns the expected three-dimensional sigma of a quarter of a cell.
-double SigmaOfQuarter(const Registration& cell, const Matrix3d& covariance_m2) {
+double QuarterSigma(const Registration& cell, const Matrix3d& covariance_m2) {
   const double share = static_cast<double>(cell.used) / static_cast<double>(cell.points);
   return std::sqrt(4.0 * share * covariance_m2.trace());
 }
@@ -45,8 +40,8 @@ class Splitter {
     if (0.5 * cell.half_m >= options_.smallest_half_m) {
       const auto rough = Register(cell, start_m, kPointsToSplit);
       if (rough) shift_m = rough->shift_m;
-      if (rough && SigmaOfQuarter(*rough, OwnCovariance(*rough)) <=
-                       kMostSigmaOfQuarter_gsd * options_.gsd_m) {
+      if (rough &&
+          QuarterSigma(*rough, OwnCovariance(*rough)) <= kMostQuarterSigma_gsd * options_.gsd_m) {
         quarters = MatchQuarters(cell, shift_m);
         if (HaveMost(quarters, *rough)) return quarters;
       }

@@ -12,9 +12,9 @@
 
 namespace dn::matching_internal {
 
-/// Returns the cells of a regular grid over the raster in which both strips have points, in an order
-/// such that the first ones of any number are spread over the area. side_cells: side of a grid cell
-/// in cells of the raster.
+/// Returns the cells of a regular grid over the raster in which both strips have points. The first
+/// ones of any number are spread over the area. side_cells: side of a grid cell in cells of the
+/// raster.
 std::vector<GroundCell> ChooseCells(const HeightRaster& a, const HeightRaster& b, int side_cells);
 
 /// A square in a strip from which points are collected.

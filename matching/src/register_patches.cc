@@ -8,30 +8,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 namespace dn::matching_internal {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Lengths in ground sampling distances.
-double Env(const char* n, double d) {
-  const char* v = getenv(n);
-  return v ? atof(v) : d;
-}
-const double kReach_gsd = Env("M_REACH", 3.0);
-const double kLeastSigma_gsd = Env("M_S0", 0.15);
-const double kLeastSigmaPlane_gsd = Env("M_S0P", 0.03);
-const double kQuotientStep = Env("M_C", 0.5);  // in typical sigmas of a difference
-const double kLeastStep_gsd = Env("M_STEP", 0.25), kLeastHeightStep_gsd = Env("M_STEPZ", 0.05);
-constexpr double kMostStep_gsd = 2.0;
-const double kLeastSignificance = Env("M_SIG", 2.0);  // of the stiffness in its own sigmas
+// Standard deviations of a point of one strip about the surface of the other, beyond those of the
+// neighbourhoods: the strips sample different places of it. They bound the weights only, because
+// EstimateScales() finds the size of the differences.
+constexpr double kLeastSigma_gsd = 0.15, kLeastSigmaPlane_gsd = 0.03;
+// The quotient needs a step at which many points have new partners: half of a typical difference,
+// but at least a quarter of the distance between the points.
+constexpr double kQuotientStep = 0.5;  // in typical sigmas of a difference
+constexpr double kLeastStep_gsd = 0.25, kLeastHeightStep_gsd = 0.05, kMostStep_gsd = 2.0;
+constexpr double kLeastSignificance = 2.0;  // of the stiffness in its own sigmas
 constexpr double kSettled_gsd = 2e-3;
-const bool kMeans = Env("M_MEANS", 0) > 0;
-const double kMix = Env("M_MIX", 0);
 
 constexpr int kGaussNewtonSteps = 5;
 constexpr int kNewtonSteps = 6;
@@ -51,6 +47,7 @@ struct Difference {
   Matrix3d W;
   bool planar;
   int part;
+  Vector2d at_en_m;  ///< in strip a
 };
 
 /// Variances of the differences in units of their information matrices.
@@ -62,6 +59,7 @@ struct Score {
   Vector3d g = Vector3d::Zero();
   Matrix3d N = Matrix3d::Zero();  ///< stiffness with the partners kept
   Matrix3d scatter = Matrix3d::Zero();
+  Vector2d moment = Vector2d::Zero();  ///< of the places, with their information of the height
   std::array<Vector3d, kPartsAcross * kPartsAcross> parts;
   std::array<bool, kPartsAcross * kPartsAcross> filled{};
 };
@@ -86,14 +84,14 @@ class Registrar {
       const PointTree::Nearest nearest = b_.NearestTo(at_m);
       if (nearest.distance_m > Reach()) continue;
       Add(a_.neighbourhood(i), a_.points_m()[i], b_.neighbourhood(nearest.index),
-          b_.points_m()[nearest.index], shift_m, 1.0, PartIndex(a_.points_m()[i]), &found);
+          b_.points_m()[nearest.index], shift_m, 1.0, a_.points_m()[i], &found);
     }
     for (const std::size_t i : from_b_) {
       const Vector3d at_m = b_.points_m()[i] - shift_m;
       const PointTree::Nearest nearest = a_.NearestTo(at_m);
       if (nearest.distance_m > Reach()) continue;
       Add(b_.neighbourhood(i), b_.points_m()[i], a_.neighbourhood(nearest.index),
-          a_.points_m()[nearest.index], -shift_m, -1.0, PartIndex(at_m), &found);
+          a_.points_m()[nearest.index], -shift_m, -1.0, at_m, &found);
     }
     return found;
   }
@@ -126,22 +124,20 @@ class Registrar {
     return kPartsAcross * along(0) + along(1);
   }
 
-  /// Adds the difference of a point and its partner.
+  /// Adds the difference of a point and its partner at the place at_m of strip a.
   void Add(const Neighbourhood& own, const Vector3d& p_m, const Neighbourhood& other,
-           const Vector3d& q_m, const Vector3d& shift_m, double sign, int part,
+           const Vector3d& q_m, const Vector3d& shift_m, double sign, const Vector3d& at_m,
            std::vector<Difference>* found) const {
     if (other.kind == Neighbourhood::Kind::kSparse) return;
     if (own.planar() && other.planar() && std::abs(own.normal.dot(other.normal)) < kLeastCosine) {
       return;
     }
-    if (kMix > 0 && own.planar() != other.planar()) return;
     const double s0_m = kLeastSigma_gsd * options_.gsd_m;
     if (!own.planar() && !other.planar()) {
       const Matrix3d C =
           own.covariance_m2 + other.covariance_m2 + s0_m * s0_m * Matrix3d::Identity();
-      const Vector3d d =
-          kMeans ? Vector3d(own.mean_m + shift_m - other.mean_m) : Vector3d(p_m + shift_m - q_m);
-      found->push_back({sign * d, C.inverse(), false, part});
+      found->push_back(
+          {sign * (p_m + shift_m - q_m), C.inverse(), false, PartIndex(at_m), at_m.head<2>()});
       return;
     }
     const double s0p_m = kLeastSigmaPlane_gsd * options_.gsd_m;
@@ -149,7 +145,8 @@ class Registrar {
     const double variance_m2 = n.dot((own.covariance_m2 + other.covariance_m2) * n) + s0p_m * s0p_m;
     const Vector3d d_m = other.planar() ? Vector3d(p_m + shift_m - other.mean_m)
                                         : Vector3d(own.mean_m + shift_m - q_m);
-    found->push_back({sign * d_m, n * n.transpose() / variance_m2, true, part});
+    found->push_back(
+        {sign * d_m, n * n.transpose() / variance_m2, true, PartIndex(at_m), at_m.head<2>()});
   }
 
   const PatchSurface& a_;
@@ -189,6 +186,7 @@ Score MakeScore(const std::vector<Difference>& differences, const Scales& scales
     score.g += g;
     score.N += weight / scale * d.W;
     score.scatter += g * g.transpose();
+    score.moment += weight / scale * d.W(2, 2) * d.at_en_m;
     score.parts[static_cast<std::size_t>(d.part)] += g;
     score.filled[static_cast<std::size_t>(d.part)] = true;
   }
@@ -280,6 +278,7 @@ std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSu
     if (step % 3 == 0) out.stiffness = Stiffness(registrar, out.shift_m, scales, steps_m);
     const Score score = MakeScore(registrar.Differences(out.shift_m), scales);
     out.scatter = score.scatter;
+    out.centre_en_m = score.moment / score.N(2, 2);
     out.variance_ratio = VarianceRatio(score);
     if (out.variance_ratio == 0.0) return std::nullopt;
     if (!IsSignificant(out.stiffness, std::max(1.0, out.variance_ratio) * out.scatter, steps_m)) {

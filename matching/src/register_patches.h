@@ -9,6 +9,9 @@
 
 namespace dn::matching_internal {
 
+/// Radius of a neighbourhood and greatest distance of partners, in distances between the points.
+inline constexpr double kReach_gsd = 3.0;
+
 /// A square of the ground.
 struct GroundCell {
   Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();
@@ -29,12 +32,15 @@ struct RegisterOptions {
 /// The shift of a patch of strip a to strip b.
 struct Registration {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< a + shift = b
+  /// Centre of the information of the height, in strip a. A rotation between the strips, such as
+  /// that of a wrong boresight, changes the height with the place; the shift is that of this place.
+  Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();
   /// Derivative of the score with respect to the shift.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   /// Covariance of the score if the differences of points are independent.
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   /// Variance of the scores of the parts of the patch, divided by the variance for independent
-  /// differences: K / (K - 3) sum_k g_k^T scatter^-1 g_k / 3, where g_k is the score of part k of K.
+  /// differences: K / (K - 3) sum_k g_k^T scatter^-1 g_k / 3 with the score g_k of part k of K.
   double variance_ratio = 1.0;
   std::size_t points = 0;  ///< in the cell, both strips
   std::size_t used = 0;    ///< points that looked for a partner

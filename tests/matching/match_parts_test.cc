@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -128,6 +129,23 @@ TEST(RegisterPatches, FindTheShiftWithinItsCovariance) {
   }
 }
 
+TEST(RegisterPatches, TheShiftIsThatOfTheCentreOfTheInformation) {
+  constexpr double kTilt_rad = 2e-3;
+  const RoughTown town;
+  std::vector<Vector3d> west, tilted = town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 2);
+  for (const Vector3d& p_m : town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 1)) {
+    if (p_m.x() < kCell.centre_en_m.x()) west.push_back(p_m);
+  }
+  for (Vector3d& p_m : tilted) p_m.z() += kTilt_rad * (p_m.x() - kCell.centre_en_m.x());
+  const auto registration =
+      RegisterPatches(Surface(west, Vector3d::Zero()), Surface(tilted, Vector3d::Zero()),
+                      Vector3d::Zero(), {kCell, kGsd_m, 8000});
+  ASSERT_TRUE(registration);
+  EXPECT_NEAR(registration->centre_en_m.x(), kCell.centre_en_m.x() - 0.5 * kCell.half_m, 2.0);
+  EXPECT_NEAR(registration->shift_m.z(),
+              kTilt_rad * (registration->centre_en_m.x() - kCell.centre_en_m.x()), 3e-3);
+}
+
 TEST(RegisterPatches, SayWhenADirectionIsFree) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const auto flat = RegisterTown(RoughTown(true), seed);
@@ -137,7 +155,7 @@ TEST(RegisterPatches, SayWhenADirectionIsFree) {
   }
 }
 
-/// Crowns through which some of the light reaches the ground.
+/// Crowns of clumps of leaves, through which some of the light reaches the ground.
 class Forest {
  public:
   Forest() {
@@ -145,7 +163,8 @@ class Forest {
     std::uniform_real_distribution<double> place(0.0, kEdge_m), size(0.7, 1.3);
     for (int tree = 0; tree < 800; ++tree) {
       const double east_m = place(engine), north_m = place(engine);
-      crowns_.push_back({{east_m, north_m, 11.0 * size(engine)}, 2.0 * size(engine)});
+      const Vector3d centre_m(east_m, north_m, 11.0 * size(engine));
+      crowns_.emplace_back(centre_m, 2.0 * size(engine), &engine);
     }
   }
 
@@ -167,18 +186,26 @@ class Forest {
   static constexpr double kEdge_m = 124.0;
 
   struct Crown {
-    Vector3d centre_m;
-    double radius_m;
-
-    /// Returns a point of the outer layer of the crown.
-    Vector3d RandomPoint(std::mt19937_64* engine) const {
+    Crown(const Vector3d& centre, double radius, std::mt19937_64* engine)
+        : centre_m(centre), radius_m(radius) {
       std::normal_distribution<double> normal;
       std::exponential_distribution<double> depth(5.0);
-      Vector3d up(normal(*engine), normal(*engine), std::abs(normal(*engine)));
-      up.normalize();
-      return centre_m + radius_m * (1.0 - std::min(1.0, depth(*engine))) *
-                            up.cwiseProduct(Vector3d(1.0, 1.0, 2.0));
+      for (Vector3d& clump_m : clumps_m) {
+        const Vector3d up(normal(*engine), normal(*engine), std::abs(normal(*engine)));
+        const double share = 1.0 - std::min(1.0, depth(*engine));
+        clump_m = centre + radius * share * up.normalized().cwiseProduct(Vector3d(1.0, 1.0, 2.0));
+      }
     }
+
+    Vector3d RandomPoint(std::mt19937_64* engine) const {
+      std::normal_distribution<double> normal(0.0, 0.12);
+      const double x = normal(*engine), y = normal(*engine), z = normal(*engine);
+      return clumps_m[(*engine)() % clumps_m.size()] + Vector3d(x, y, z);
+    }
+
+    Vector3d centre_m;
+    double radius_m;
+    std::array<Vector3d, 60> clumps_m;
   };
 
   const Crown* Above(const Vector3d& p_m) const {
@@ -283,6 +310,21 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
   EXPECT_FALSE(agreement.agrees[77]);
   EXPECT_GE(std::count(agreement.agrees.begin(), agreement.agrees.end(), true), 190);
   EXPECT_NEAR(agreement.variance_factor, 4.0, 1.0);
+}
+
+TEST(AgreeWithNeighbours, AFewAccurateOnesAmongOthersAreNotWidened) {
+  std::mt19937_64 engine(6);
+  std::normal_distribution<double> normal;
+  std::vector<PlacedShift> shifts = ScatteredShifts();
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    const double sigma_m = i % 10 == 0 ? 0.01 : 0.1;
+    shifts[i].shift_m = kShift_m;
+    for (int axis = 0; axis < 3; ++axis) shifts[i].shift_m[axis] += sigma_m * normal(engine);
+    shifts[i].covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+  }
+  const Agreement agreement = AgreeWithNeighbours(shifts);
+  EXPECT_GE(std::count(agreement.agrees.begin(), agreement.agrees.end(), true), 195);
+  EXPECT_LT(agreement.variance_factor, 1.2);
 }
 
 TEST(AgreeWithNeighbours, WhatAnErrorOfAttitudeDoesIsNoDisagreement) {
