@@ -30,12 +30,12 @@ std::vector<PlacedShift> WithoutTrend(std::vector<PlacedShift> shifts) {
 }
 
 /// The median of the shifts of the nearest neighbours, per axis.
-struct Neighbours {
+struct MedianShift {
   Vector3d median_m;
   Vector3d variance_m2;
 };
 
-Neighbours MakeNeighbours(std::size_t i, const std::vector<PlacedShift>& shifts) {
+MedianShift NeighbourMedian(std::size_t i, const std::vector<PlacedShift>& shifts) {
   std::vector<std::size_t> others(shifts.size());
   std::iota(others.begin(), others.end(), std::size_t{0});
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
@@ -65,7 +65,7 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   const std::vector<PlacedShift> shifts = WithoutTrend(given);
   std::vector<Vector3d> left(shifts.size());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
-    const Neighbours neighbours = MakeNeighbours(i, shifts);
+    const MedianShift neighbours = NeighbourMedian(i, shifts);
     left[i] = (shifts[i].shift_m - neighbours.median_m).array() /
               (shifts[i].covariance_m2.diagonal() + neighbours.variance_m2).array().sqrt();
   }
