@@ -84,6 +84,7 @@ Truth ReadTruth(const fs::path& folder) {
 struct PairErrors {
   double n = 0.0, normalised = 0.0, beyond_gsd = 0.0, beyond_999 = 0.0;
   Vector3d squares_m2 = Vector3d::Zero();  ///< along the track of i, across it, up
+  Vector3d normalised_by_axis = Vector3d::Zero();
 };
 
 void AddPairs(const fs::path& folder, const std::string& file, const Truth& truth,
@@ -94,9 +95,12 @@ void AddPairs(const fs::path& folder, const std::string& file, const Truth& trut
     const Vector3d off_m = Georeference(pose_i, truth.mounting, pair.u_i_s) -
                            Georeference(pose_j, truth.mounting, pair.u_j_s);
     const Eigen::Vector2d along = pose_i.v_m.head<2>().normalized();
-    errors->squares_m2 += Vector3d(along.dot(off_m.head<2>()),
-                                   along.x() * off_m.y() - along.y() * off_m.x(), off_m.z())
-                              .cwiseAbs2();
+    Eigen::Matrix3d R_tm = Eigen::Matrix3d::Identity();  // t: along the track, across it, up
+    R_tm.topLeftCorner<2, 2>() << along.x(), along.y(), -along.y(), along.x();
+    const Vector3d squares_m2 = (R_tm * off_m).cwiseAbs2();
+    errors->squares_m2 += squares_m2;
+    errors->normalised_by_axis +=
+        squares_m2.cwiseQuotient((R_tm * *pair.covariance_m2 * R_tm.transpose()).diagonal());
     const double normalised = off_m.dot(pair.covariance_m2->inverse() * off_m);
     errors->n += 1.0;
     errors->normalised += normalised / 3.0;
@@ -178,6 +182,7 @@ Json LoadJson(const Totals& totals, int flights) {
                              {"rms_along_across_up_m", ToJson((e.squares_m2 / e.n).cwiseSqrt())},
                              {"rms_3d_by_gsd", std::sqrt(e.squares_m2.sum() / e.n) / totals.gsd_m},
                              {"normalised_variance", e.normalised / e.n},
+                             {"normalised_along_across_up", ToJson(e.normalised_by_axis / e.n)},
                              {"beyond_gsd", e.beyond_gsd / e.n},
                              {"beyond_999", e.beyond_999 / e.n}};
   }
@@ -204,13 +209,15 @@ std::string Triple(const Json& v, double scale, const char* format) {
 }
 
 void Print(const Json& json) {
-  fmt::print("{:<8} {:>6} {:>24} {:>8} {:>10} {:>10} {:>10}\n", "strips", "pairs",
-             "rms along, across, up m", "3-D/GSD", "normalised", "> GSD", "> 99.9 %");
+  fmt::print("{:<8} {:>6} {:>24} {:>8} {:>10} {:>24} {:>10} {:>10}\n", "strips", "pairs",
+             "rms along, across, up m", "3-D/GSD", "normalised", "along, across, up", "> GSD",
+             "> 99.9 %");
   for (const auto& [strips, row] : json["pairs"].items()) {
-    fmt::print("{:<8} {:>6.0f} {:>24} {:>8.2f} {:>10.2f} {:>9.2f}% {:>9.2f}%\n", strips,
+    fmt::print("{:<8} {:>6.0f} {:>24} {:>8.2f} {:>10.2f} {:>24} {:>9.2f}% {:>9.2f}%\n", strips,
                row["pairs_of_a_flight"].get<double>(),
                Triple(row["rms_along_across_up_m"], 1.0, "{:.3f}"),
                row["rms_3d_by_gsd"].get<double>(), row["normalised_variance"].get<double>(),
+               Triple(row["normalised_along_across_up"], 1.0, "{:.2f}"),
                100.0 * row["beyond_gsd"].get<double>(), 100.0 * row["beyond_999"].get<double>());
   }
   fmt::print("{:<8} {:>7} {:>8} {:>24} {:>24}   {}\n", "method", "results", "NEES/3",

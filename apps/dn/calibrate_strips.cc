@@ -36,7 +36,7 @@ void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, 
                      const std::function<void(const FlightConfig&)>& calibrate) {
   run.progress().Warn("no file of lidar.p2p exists: pairs are computed by matching the strips");
   const MatchedFlight matched =
-      MatchFlightStrips(config, trajectory, MakeRunMatchOptions(run), kLastReturns, run);
+      MatchFlightStrips(config, trajectory, MakeRunMatchOptions(run), {}, run);
   AddMatches(matched, run);
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
   if (matched.result.pairs() == 0) FailNoPairs();

@@ -24,9 +24,9 @@ struct MatchCommand {
   double search_deg = 5.0;
   double search_m = 10.0;
   std::size_t most_pairs = 3000;
-  double patch_gsd = 24.0;
+  double patch_gsd = 6.0;
   std::uint64_t seed = 0;
-  bool all_returns = false;
+  bool all_returns = true;
   std::vector<int> classes;
 };
 
@@ -42,7 +42,7 @@ MatchOptions MakeMatchOptions(const MatchCommand& command, Run& run) {
 }
 
 PointFilter MakePointFilter(const MatchCommand& command) {
-  PointFilter filter = kLastReturns;
+  PointFilter filter;
   filter.last_returns = !command.all_returns;
   for (const int each : command.classes) filter.classes.insert(static_cast<std::uint8_t>(each));
   return filter;
@@ -140,7 +140,8 @@ void AddMatch(CLI::App* program, Action* action) {
       ->check(WholeNumber(1, 1000000))
       ->capture_default_str();
   app->add_option("--patch-gsd", command->patch_gsd,
-                  "Half the side length of the smallest patches, in ground sampling distances")
+                  "Half the side length of the smallest cells, in ground sampling distances; cells "
+                  "are as small as their accuracy permits")
       ->check(CLI::Range(6.0, 200.0))
       ->capture_default_str();
   app->add_option("--classes", command->classes,
@@ -148,8 +149,8 @@ void AddMatch(CLI::App* program, Action* action) {
                   "trees. Default: all")
       ->delimiter(',')
       ->check(CLI::Range(0, 255));
-  app->add_flag("--all-returns", command->all_returns,
-                "Uses every return of a pulse, not only the last");
+  app->add_flag("--all-returns,!--last-returns", command->all_returns,
+                "Uses every return of a pulse (default), or only the last");
   app->add_option("--seed", command->seed, "Seed of the random consensus search")
       ->capture_default_str();
   AddCommonOptions(app, &command->common, true);

@@ -87,22 +87,41 @@ FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, R
   return path;
 }
 
+std::string Triple(const Json& v) {
+  return fmt::format("{:.3f}, {:.3f}, {:.3f}", v[0].get<double>(), v[1].get<double>(),
+                     v[2].get<double>());
+}
+
+std::string Strips(const Json& strips) {
+  std::string text;
+  for (const Json& strip : strips) text += (text.empty() ? "" : "-") + strip.get<std::string>();
+  return text;
+}
+
 void Print(const Json& match) {
   const auto rms = [](const Json& pair, const char* when) {
     const Json& misalignment = pair["misalignment"];
-    return misalignment.is_null()
+    return misalignment.is_null() || misalignment[when].is_null()
                ? std::string("-")
                : fmt::format("{:.3f}", misalignment[when]["rms_m"].get<double>());
   };
-  fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n", "strips", "candidates", "found",
-             "registered", "pairs", "apart rms [m]", "after");
+  const auto offset = [](const Json& pair, const char* what) {
+    return pair["offset"].is_null() ? std::string("-") : Triple(pair["offset"][what]);
+  };
+  fmt::print("{:<12} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n", "strips",
+             "candidates", "found", "registered", "pairs", "apart rms [m]", "after",
+             "shift E, N, U [m]", "scatter E, N, U [m]");
   for (const Json& pair : match["strip_pairs"]) {
     const Json& counts = pair["counts"];
-    fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n",
-               pair["strips"][0].get<std::string>() + "-" + pair["strips"][1].get<std::string>(),
-               counts["candidates"].get<long>(), counts["found"].get<long>(),
-               counts["registered"].get<long>(), counts["pairs"].get<long>(), rms(pair, "before"),
-               rms(pair, "after"));
+    fmt::print("{:<12} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n",
+               Strips(pair["strips"]), counts["candidates"].get<long>(),
+               counts["found"].get<long>(), counts["registered"].get<long>(),
+               counts["pairs"].get<long>(), rms(pair, "before"), rms(pair, "after"),
+               offset(pair, "shift_enu_m"), offset(pair, "scatter_enu_m"));
+  }
+  for (const Json& loop : match["loops"]) {
+    fmt::print("loop {:<12} closes to {} m (sigma {})\n", Strips(loop["strips"]),
+               Triple(loop["closure_enu_m"]), Triple(loop["sigma_enu_m"]));
   }
 }
 

@@ -21,7 +21,7 @@ struct MatchedFlight {
   std::unique_ptr<FlightRun> smoothed;  ///< set if the flight has no trajectory
 };
 
-/// Default point filter: last returns only, all classes.
+/// Point filter of the planes: last returns only, all classes.
 inline const PointFilter kLastReturns{.last_returns = true, .classes = {}};
 
 /// Opens the strips of a flight without matching them. The trajectory is the flight's own, else

@@ -15,16 +15,16 @@ struct PlacedShift {
 /// The shifts that agree with their neighbours.
 struct Agreement {
   std::vector<bool> agrees;
-  /// Robust variance of the residuals divided by that of the covariances, at least 1: the
-  /// covariances are too small by this factor.
+  /// Mean square of the normalised residuals that agree, at least 1: the covariances are too small
+  /// by this factor.
   double variance_factor = 1.0;
 };
 
 /// Finds the shifts that agree with their neighbours. A plane over all shifts is subtracted, then
 /// each shift is compared with the median of its eight nearest neighbours, per axis. The residuals
-/// are divided by their sigma, and by the robust scale of all residuals if that exceeds 1. That
-/// scale accounts for the bending of the strips between neighbours. A shift with more than 3.5 such
-/// units in any axis does not agree. Fewer than four shifts all agree.
+/// are divided by their sigma, with that of the median, and by the robust scale of all residuals if
+/// that exceeds 1. That scale accounts for the bending of the strips between neighbours. A shift
+/// with more than 3.5 such units in any axis does not agree. Fewer than four shifts all agree.
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
 }  // namespace dn::matching_internal

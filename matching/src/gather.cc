@@ -11,24 +11,25 @@ using Eigen::Vector2d;
 using Eigen::Vector2i;
 using Eigen::Vector3d;
 
-/// Finds the discs that contain a place, with a grid of cells as large as the largest disc.
-class DiscIndex {
+/// Finds the squares that contain a place, with a grid of cells as large as the largest square.
+class SquareIndex {
  public:
-  explicit DiscIndex(const std::vector<Disc>& discs) : discs_(discs) {
-    Vector2d low = discs.front().centre_en_m, high = low;
-    for (const Disc& disc : discs) {
-      const Vector2d r = Vector2d::Constant(disc.radius_m);
-      low = low.cwiseMin(disc.centre_en_m - r);
-      high = high.cwiseMax(disc.centre_en_m + r);
-      cell_m_ = std::max(cell_m_, disc.radius_m);
+  explicit SquareIndex(const std::vector<GatherCell>& squares) : squares_(squares) {
+    Vector2d low = squares.front().cell.centre_en_m, high = low;
+    for (const GatherCell& square : squares) {
+      const Vector2d r = Vector2d::Constant(square.cell.half_m);
+      low = low.cwiseMin(square.cell.centre_en_m - r);
+      high = high.cwiseMax(square.cell.centre_en_m + r);
+      cell_m_ = std::max(cell_m_, square.cell.half_m);
     }
     low_ = low;
     size_ = ((high - low) / cell_m_).array().floor().cast<int>() + 1;
     cells_.resize(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()));
-    for (std::size_t i = 0; i < discs.size(); ++i) {
-      const Vector2d r = Vector2d::Constant(discs[i].radius_m);
-      const Vector2i from = CellIndex(discs[i].centre_en_m - r),
-                     to = CellIndex(discs[i].centre_en_m + r);
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      const GroundCell& square = squares[i].cell;
+      const Vector2d r = Vector2d::Constant(square.half_m);
+      const Vector2i from = CellIndex(square.centre_en_m - r),
+                     to = CellIndex(square.centre_en_m + r);
       for (int y = from.y(); y <= to.y(); ++y) {
         for (int x = from.x(); x <= to.x(); ++x) {
           if (Has({x, y})) cells_[Index({x, y})].push_back(i);
@@ -38,12 +39,11 @@ class DiscIndex {
   }
 
   template <class Found>
-  void ForEachAt(const Vector2d& en_m, const Found& found) const {
-    const Vector2i cell = CellIndex(en_m);
+  void ForEachAt(const Vector3d& p_m, const Found& found) const {
+    const Vector2i cell = CellIndex(p_m.head<2>());
     if (!Has(cell)) return;
     for (const std::size_t i : cells_[Index(cell)]) {
-      const double radius_m = discs_[i].radius_m;
-      if ((en_m - discs_[i].centre_en_m).squaredNorm() <= radius_m * radius_m) found(i);
+      if (squares_[i].cell.Contains(p_m)) found(i);
     }
   }
 
@@ -59,7 +59,7 @@ class DiscIndex {
            static_cast<std::size_t>(c.x());
   }
 
-  const std::vector<Disc>& discs_;
+  const std::vector<GatherCell>& squares_;
   Vector2d low_;
   Vector2i size_;
   double cell_m_ = 0.0;
@@ -74,20 +74,20 @@ double Share(std::uint64_t i) {
 
 }  // namespace
 
-std::vector<DiscPoints> Gather(const MatchSource& source, std::size_t strip,
-                               const std::vector<Disc>& discs, int threads,
+std::vector<CellPoints> Gather(const MatchSource& source, std::size_t strip,
+                               const std::vector<GatherCell>& cells, int threads,
                                const std::function<void(std::uint64_t)>& told) {
-  std::vector<DiscPoints> gathered(discs.size());
-  if (discs.empty()) return gathered;
-  const DiscIndex index(discs);
-  std::vector<std::uint64_t> seen(discs.size(), 0);
+  std::vector<CellPoints> gathered(cells.size());
+  if (cells.empty()) return gathered;
+  const SquareIndex index(cells);
+  std::vector<std::uint64_t> seen(cells.size(), 0);
   std::vector<Vector3d> p_m;
   std::uint64_t read = 0;
   source.Read(strip, [&](const RawPoints& points) {
     PlacePoints(source, strip, points.t_s, points.x, threads, &p_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      index.ForEachAt(p_m[i].head<2>(), [&](std::size_t k) {
-        if (Share(seen[k]++) >= discs[k].keep_share) return;
+      index.ForEachAt(p_m[i], [&](std::size_t k) {
+        if (Share(seen[k]++) >= cells[k].keep_share) return;
         gathered[k].t_s.push_back(points.t_s[i]);
         gathered[k].x.push_back(points.x[i]);
         gathered[k].p_m.push_back(p_m[i]);

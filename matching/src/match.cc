@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "agree_with_neighbours.h"
 #include "coarse_alignment.h"
 #include "height_raster.h"
+#include "match_cells.h"
 #include "median_by_axis.h"
 #include "patches.h"
 #include "register_patches.h"
@@ -24,12 +26,13 @@ using Eigen::Vector2d;
 using Eigen::Vector2i;
 using Eigen::Vector3d;
 using matching_internal::AlignmentFit;
+using matching_internal::CellPoints;
 using matching_internal::CoarsePair;
-using matching_internal::Disc;
-using matching_internal::DiscPoints;
+using matching_internal::GatherCell;
+using matching_internal::GroundCell;
 using matching_internal::HeightRaster;
+using matching_internal::kReach_gsd;
 using matching_internal::MakeRaster;
-using matching_internal::Patch;
 using matching_internal::RasterGrid;
 using matching_internal::Registration;
 using matching_internal::StripSample;
@@ -37,11 +40,7 @@ using matching_internal::StripSample;
 // Lengths in ground sampling distances.
 constexpr double kSampleCell_gsd = 2.0;  // so small that a shifted raster has few holes
 constexpr double kRasterCell_gsd = 3.0;
-constexpr double kReach_gsd = 3.0;
-constexpr double kTile_gsd = 400.0;
-constexpr double kNeighbourhood_gsd = 2.5;
-constexpr double kMostCorrection_gsd = 2.5;
-constexpr double kMostRms_gsd = 1.0;
+constexpr double kMargin_gsd = 6.0;     // of the points about a cell: reach, and error of the start
 constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
 
 constexpr int kCoarseHalf = 16;    // cells on each side of the centre of a coarse piece
@@ -49,28 +48,35 @@ constexpr int kCoarseSearch = 16;  // search radius in cells
 constexpr int kShadowCells = 6;    // cells of 3 GSD: width of the ground hidden by a house
 constexpr int kFineHalf = 8;
 constexpr int kFineSearch = 6;
+constexpr int kRootCells = 32;           // side of the largest cells
+constexpr int kPlaceCells = 16;          // distance between the places with a raster search
 constexpr double kCoarsePlaces = 300.0;  // approximate number per strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
+// A boresight error tilts strips against each other, and the shifts within a cell then differ. The
+// boresight of rasters is too coarse; that of a few cells is as good as the trajectory's attitude.
+constexpr std::size_t kPilotRoots = 32;
+constexpr double kSettledTurn_rad = 1e-4;
+constexpr int kMostPasses = 2;
 // A smaller ground sampling distance would leave a hundred empty cells or more for each point.
 constexpr double kLeastShareOfSpacing = 0.1;
-constexpr double kMostCells = 4e8;  // cells of a raster, 3 GB
-constexpr double kMostPointsOfPatch = 3000.0;
-constexpr std::size_t kPatchesAtOnce = 800;
-// Least information of the slopes: a horizontal shift is determined to twice the noise of the
-// points.
-constexpr double kLeastInformation = 0.3;
-constexpr double kLeastUsedShare = 0.4;
+constexpr double kMostCells = 4e8;        // cells of a raster, 3 GB
+constexpr double kMostPoints_gsd2 = 2.0;  // per square ground sampling distance
+constexpr double kPointsAtOnce = 1.5e6;
+constexpr std::size_t kNeighboursOfStart = 5;
 constexpr std::size_t kFewestForFactor = 10;
 constexpr std::size_t kPosesOfLine = 60;
 
-/// A patch of two strips, from the raster shift to the pair.
-struct Work {
-  Patch patch;
+/// A place with a unique shift between the rasters.
+struct Place {
   Vector2d centre_en_m;
-  std::optional<Vector3d> raster_shift_m;  ///< shift of a to b
-  std::optional<Registration> registration;
+  Vector3d shift_m;  ///< of a to b
+};
+
+/// A registered cell of two strips and its pair.
+struct Work {
+  Registration registration;
   MatchedPair pair;
 };
 
@@ -164,10 +170,14 @@ class Matcher {
 
   MatchResult Run() {
     BringTogether();
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j);
+    if (HasBoresight()) {
+      MatchAll(kPilotRoots);
+      PlaceSamples();
     }
-    if (result_.strip_pairs.empty()) FailNoOverlap();
+    constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+    for (int pass = 1; MatchAll(kAll) > kSettledTurn_rad && pass < kMostPasses; ++pass) {
+      PlaceSamples();
+    }
     Finish();
     return std::move(result_);
   }
@@ -176,6 +186,7 @@ class Matcher {
   /// Returns the radius of the coarsest search, m.
   virtual double FirstSearch() const = 0;
   virtual AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) = 0;
+  virtual bool HasBoresight() const { return false; }
   virtual Vector3d Boresight() const { return Vector3d::Zero(); }
   /// Calls `work` with the initial alignment.
   virtual void AsGiven(const std::function<void()>& work) = 0;
@@ -304,165 +315,156 @@ class Matcher {
                       b.x[to].cast<double>(), -shift_m});
   }
 
-  void MatchStripPair(std::size_t i, std::size_t j) {
+  void MatchStripPair(std::size_t i, std::size_t j, std::size_t most_roots) {
     const auto grid = CommonGrid(samples_[i], samples_[j], BaseCell(), kFineSearch * BaseCell());
     if (!grid) return;
     StripPairMatch match;
     match.i = i;
     match.j = j;
-    std::vector<Work> work = FindPlaces(*grid, &match);
+    const HeightRaster raster_a = MakeRaster(*grid, samples_[i].p_m, kShadowCells);
+    const HeightRaster raster_b = MakeRaster(*grid, samples_[j].p_m, kShadowCells);
+    for (std::size_t k = 0; k < grid->cells(); ++k) {
+      if (!std::isnan(raster_a.z_m[k]) && !std::isnan(raster_b.z_m[k])) {
+        match.overlap_m2 += grid->cell_m * grid->cell_m;
+      }
+    }
     if (match.overlap_m2 == 0.0) return;
-    for (std::size_t first = 0; first < work.size(); first += kPatchesAtOnce) {
-      Register(i, j, first, std::min(work.size(), first + kPatchesAtOnce), &work);
+    const std::vector<Place> places = FindPlaces(raster_a, raster_b, &match);
+    std::vector<Work> work;
+    if (!places.empty()) {
+      std::vector<GroundCell> roots =
+          matching_internal::ChooseCells(raster_a, raster_b, kRootCells);
+      roots.resize(std::min(roots.size(), most_roots));
+      work = RegisterRoots(match, roots, places);
     }
     registered_.push_back(std::move(work));
     result_.strip_pairs.push_back(std::move(match));
   }
 
-  std::vector<Work> FindPlaces(const RasterGrid& grid, StripPairMatch* match) const {
-    const std::string stage = "places of " + PairName(match->i, match->j);
-    Tell(stage);
-    const StripSample& a = samples_[match->i];
-    const HeightRaster raster_a = MakeRaster(grid, a.p_m, kShadowCells);
-    const HeightRaster raster_b = MakeRaster(grid, samples_[match->j].p_m, kShadowCells);
-    for (std::size_t k = 0; k < grid.cells(); ++k) {
-      if (!std::isnan(raster_a.z_m[k]) && !std::isnan(raster_b.z_m[k])) {
-        match->overlap_m2 += grid.cell_m * grid.cell_m;
-      }
+  /// Finds the shifts between the rasters at the places of a regular grid.
+  std::vector<Place> FindPlaces(const HeightRaster& a, const HeightRaster& b,
+                                StripPairMatch* match) const {
+    Tell("places of " + PairName(match->i, match->j));
+    const std::vector<GroundCell> cells = matching_internal::ChooseCells(a, b, kPlaceCells);
+    std::vector<std::optional<Vector3d>> shifts(cells.size());
+    ParallelForChunks(cells.size(), 4, options_.threads,
+                      [&](std::size_t, std::size_t first, std::size_t past) {
+                        for (std::size_t k = first; k < past; ++k) {
+                          shifts[k] = matching_internal::FindShift(
+                              a, b, a.grid.CellIndex(cells[k].centre_en_m), kFineHalf, kFineSearch);
+                        }
+                      });
+    std::vector<Place> places;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      if (shifts[k]) places.push_back({cells[k].centre_en_m, *shifts[k]});
     }
-    const std::vector<Patch> patches = matching_internal::ChoosePatches(
-        raster_a, raster_b,
-        {HalfCells(), a.point_density_m2 * grid.cell_m * grid.cell_m, kMostPointsOfPatch,
-         kLeastInformation, options_.most_pairs, static_cast<int>(kTile_gsd / kRasterCell_gsd)});
-    match->candidates = patches.size();
-    std::vector<Work> work(patches.size());
-    ParallelForChunks(
-        patches.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
-          for (std::size_t k = first; k < past; ++k) {
-            const Patch& patch = patches[k];
-            work[k].patch = patch;
-            work[k].centre_en_m = grid.Centre(patch.cell.x(), patch.cell.y());
-            work[k].raster_shift_m = matching_internal::FindShift(
-                raster_a, raster_b, patch.cell, std::max(kFineHalf, patch.half_cells), kFineSearch);
-          }
-        });
-    match->found = static_cast<std::size_t>(std::count_if(
-        work.begin(), work.end(), [](const Work& w) { return w.raster_shift_m.has_value(); }));
-    StartLikeNeighbours(&work);
+    match->candidates = cells.size();
+    match->found = places.size();
+    return places;
+  }
+
+  /// Returns the median shift of the places nearest to a cell.
+  static Vector3d StartShift(const GroundCell& cell, const std::vector<Place>& places) {
+    const auto off_m2 = [&](const Place& place) {
+      return (place.centre_en_m - cell.centre_en_m).squaredNorm();
+    };
+    std::vector<Place> nearest(std::min(kNeighboursOfStart, places.size()));
+    std::partial_sort_copy(places.begin(), places.end(), nearest.begin(), nearest.end(),
+                           [&](const Place& p, const Place& q) { return off_m2(p) < off_m2(q); });
+    std::vector<Vector3d> shifts_m;
+    for (const Place& place : nearest) shifts_m.push_back(place.shift_m);
+    return matching_internal::MedianByAxis(shifts_m);
+  }
+
+  double KeepShare(std::size_t strip) const {
+    const double gsd_m = result_.gsd_m;
+    return std::min(1.0, kMostPoints_gsd2 / (samples_[strip].point_density_m2 * gsd_m * gsd_m));
+  }
+
+  /// Registers the cells until there are enough pairs.
+  std::vector<Work> RegisterRoots(const StripPairMatch& match, const std::vector<GroundCell>& roots,
+                                  const std::vector<Place>& places) const {
+    std::vector<Work> work;
+    const double root_gsd = kRasterCell_gsd * kRootCells;
+    const auto at_once =
+        static_cast<std::size_t>(kPointsAtOnce / (kMostPoints_gsd2 * root_gsd * root_gsd));
+    for (std::size_t first = 0; first < roots.size(); first += at_once) {
+      const std::size_t past = std::min(roots.size(), first + at_once);
+      RegisterSome(match,
+                   {roots.begin() + static_cast<std::ptrdiff_t>(first),
+                    roots.begin() + static_cast<std::ptrdiff_t>(past)},
+                   places, &work);
+      Tell("registration of " + PairName(match.i, match.j),
+           fmt::format("{} of {}", past, roots.size()));
+      if (work.size() >= 2 * options_.most_pairs) break;
+    }
     return work;
   }
 
-  /// Places without a unique raster shift start with the median shift of the nearest places that
-  /// have one.
-  static void StartLikeNeighbours(std::vector<Work>* work) {
-    constexpr std::size_t kNeighboursOfStart = 5;
-    std::vector<const Work*> clear;
-    for (const Work& w : *work) {
-      if (w.raster_shift_m) clear.push_back(&w);
+  void RegisterSome(const StripPairMatch& match, const std::vector<GroundCell>& roots,
+                    const std::vector<Place>& places, std::vector<Work>* work) const {
+    std::vector<Vector3d> starts_m;
+    std::vector<GatherCell> cells_a, cells_b;
+    const double margin_m = kMargin_gsd * result_.gsd_m;
+    for (const GroundCell& root : roots) {
+      starts_m.push_back(StartShift(root, places));
+      cells_a.push_back({{root.centre_en_m, root.half_m + margin_m}, KeepShare(match.i)});
+      cells_b.push_back({{root.centre_en_m + starts_m.back().head<2>(), root.half_m + margin_m},
+                         KeepShare(match.j)});
     }
-    if (clear.size() < kNeighboursOfStart) {
-      std::erase_if(*work, [](const Work& w) { return !w.raster_shift_m; });
-      return;
-    }
-    std::vector<std::pair<std::size_t, Vector3d>> starts;
-    for (std::size_t k = 0; k < work->size(); ++k) {
-      const Work& w = (*work)[k];
-      if (w.raster_shift_m) continue;
-      const auto off_m2 = [&](const Work* other) {
-        return (other->centre_en_m - w.centre_en_m).squaredNorm();
-      };
-      std::vector<const Work*> nearest = clear;
-      std::partial_sort(nearest.begin(), nearest.begin() + kNeighboursOfStart, nearest.end(),
-                        [&](const Work* p, const Work* q) { return off_m2(p) < off_m2(q); });
-      std::vector<Vector3d> shifts_m;
-      for (std::size_t n = 0; n < kNeighboursOfStart; ++n) {
-        shifts_m.push_back(*nearest[n]->raster_shift_m);
-      }
-      starts.emplace_back(k, matching_internal::MedianByAxis(shifts_m));
-    }
-    for (const auto& [k, start_m] : starts) (*work)[k].raster_shift_m = start_m;
-  }
-
-  /// Returns the half sizes of the patches: the requested one, and twice that.
-  std::vector<int> HalfCells() const {
-    const int smallest =
-        std::max(1, static_cast<int>(std::lround(options_.patch_gsd / kRasterCell_gsd)));
-    return {smallest, 2 * smallest};
-  }
-
-  double PatchRadius(const Patch& patch) const { return patch.half_cells * BaseCell(); }
-
-  double KeepShare(std::size_t strip, double radius_m) const {
-    const double points = samples_[strip].point_density_m2 * std::numbers::pi * radius_m * radius_m;
-    return std::min(1.0, kMostPointsOfPatch / points);
-  }
-
-  void Register(std::size_t i, std::size_t j, std::size_t first, std::size_t past,
-                std::vector<Work>* work) {
-    const std::string stage = "points of " + PairName(i, j);
-    std::vector<Disc> discs_a, discs_b;
-    for (std::size_t k = first; k < past; ++k) {
-      const Work& w = (*work)[k];
-      const double radius_m = PatchRadius(w.patch);
-      discs_a.push_back({w.centre_en_m, radius_m, KeepShare(i, radius_m)});
-      const double keep_share = KeepShare(j, radius_m);
-      const double reach_m = kReach_gsd * result_.gsd_m / std::sqrt(keep_share);
-      discs_b.push_back(
-          {w.centre_en_m + w.raster_shift_m->head<2>(), radius_m + reach_m, keep_share});
-    }
-    const auto gather = [&](std::size_t strip, const std::vector<Disc>& discs) {
+    const auto gather = [&](std::size_t strip, const std::vector<GatherCell>& cells) {
       return matching_internal::Gather(
-          source_, strip, discs, options_.threads, [&](std::uint64_t points) {
-            Tell(stage, fmt::format("{} points of strip {}", points, source_.strips()[strip].name));
+          source_, strip, cells, options_.threads, [&](std::uint64_t points) {
+            Tell("points of " + PairName(match.i, match.j),
+                 fmt::format("{} points of strip {}", points, source_.strips()[strip].name));
           });
     };
-    const std::vector<DiscPoints> in_a = gather(i, discs_a), in_b = gather(j, discs_b);
-    Tell("registration of " + PairName(i, j), fmt::format("{} of {}", first, work->size()));
-    ParallelForChunks(past - first, 4, options_.threads,
+    const std::vector<CellPoints> in_a = gather(match.i, cells_a), in_b = gather(match.j, cells_b);
+    std::vector<std::vector<Work>> found(roots.size());
+    ParallelForChunks(roots.size(), 1, options_.threads,
                       [&](std::size_t, std::size_t from, std::size_t to) {
                         for (std::size_t k = from; k < to; ++k) {
-                          RegisterOne(i, discs_a[k], in_a[k], in_b[k], &(*work)[first + k]);
+                          found[k] = RegisterRoot(match.i, roots[k], starts_m[k], in_a[k], in_b[k]);
                         }
                       });
+    for (std::vector<Work>& each : found) std::ranges::move(each, std::back_inserter(*work));
   }
 
-  void RegisterOne(std::size_t i, const Disc& disc, const DiscPoints& in_a, const DiscPoints& in_b,
-                   Work* work) const {
-    if (in_a.size() == 0 || in_b.size() == 0) return;
+  std::vector<Work> RegisterRoot(std::size_t i, const GroundCell& root, const Vector3d& start_m,
+                                 const CellPoints& in_a, const CellPoints& in_b) const {
+    std::vector<Work> work;
+    if (in_a.size() == 0 || in_b.size() == 0) return work;
     const double gsd_m = result_.gsd_m;
-    const double neighbourhood_m = kNeighbourhood_gsd * gsd_m / std::sqrt(disc.keep_share);
-    const matching_internal::PatchSurface a(in_a.p_m, neighbourhood_m),
-        b(in_b.p_m, neighbourhood_m);
-    const double spacing_m = gsd_m / std::sqrt(disc.keep_share);
-    const auto registration = matching_internal::RegisterPatches(
-        a, b, *work->raster_shift_m, {disc.centre_en_m, disc.radius_m, kReach_gsd * spacing_m});
-    if (!registration || registration->used_share < kLeastUsedShare ||
-        registration->rms_m > kMostRms_gsd * gsd_m ||
-        (registration->shift_m - *work->raster_shift_m).norm() > kMostCorrection_gsd * gsd_m) {
-      return;
+    const matching_internal::PatchSurface a(in_a.p_m, kReach_gsd * gsd_m),
+        b(in_b.p_m, kReach_gsd * gsd_m);
+    const double smallest_m = options_.patch_gsd * gsd_m;
+    for (const matching_internal::CellMatch& match :
+         matching_internal::MatchCells(a, b, start_m, {root, gsd_m, smallest_m})) {
+      work.push_back({match.registration, MakePair(i, match, in_a, in_b, b)});
     }
-    work->registration = registration;
-    Pair(i, disc, in_a, in_b, b, work);
+    return work;
   }
 
-  /// Sets the pair nearest to the centre of the patches.
-  void Pair(std::size_t i, const Disc& disc, const DiscPoints& in_a, const DiscPoints& in_b,
-            const matching_internal::PatchSurface& b, Work* work) const {
+  /// Returns the pair nearest to the centre of the information of a cell.
+  MatchedPair MakePair(std::size_t i, const matching_internal::CellMatch& match,
+                       const CellPoints& in_a, const CellPoints& in_b,
+                       const matching_internal::PatchSurface& b) const {
     std::size_t at = 0;
+    const auto off_m2 = [&](std::size_t k) {
+      return (in_a.p_m[k].head<2>() - match.registration.centre_en_m).squaredNorm();
+    };
     for (std::size_t k = 1; k < in_a.size(); ++k) {
-      if ((in_a.p_m[k].head<2>() - disc.centre_en_m).squaredNorm() <
-          (in_a.p_m[at].head<2>() - disc.centre_en_m).squaredNorm()) {
-        at = k;
-      }
+      if (off_m2(k) < off_m2(at)) at = k;
     }
-    const Vector3d& shift_m = work->registration->shift_m;
+    const Vector3d& shift_m = match.registration.shift_m;
     const std::size_t to = b.NearestTo(in_a.p_m[at] + shift_m).index;
-    MatchedPair& pair = work->pair;
+    MatchedPair pair;
     pair.pair.t_i_s = in_a.t_s[at];
     pair.pair.t_j_s = in_b.t_s[to];
     pair.pair.u_i_s = source_.RawAt(i, in_a.t_s[at], in_b.p_m[to] - shift_m);
     pair.pair.u_j_s = in_b.x[to];
-    pair.radius_m = disc.radius_m;
+    pair.radius_m = match.cell.half_m;
+    return pair;
   }
 
   /// Returns the mean of Registration::variance_ratio, at least 1.
@@ -470,8 +472,7 @@ class Matcher {
     std::vector<double> ratios;
     for (const auto& work : registered_) {
       for (const Work& w : work) {
-        if (!w.registration) continue;
-        ratios.push_back(w.registration->variance_ratio);
+        ratios.push_back(w.registration.variance_ratio);
       }
     }
     if (ratios.size() < kFewestForFactor) return 1.0;
@@ -496,13 +497,26 @@ class Matcher {
     return swath;
   }
 
-  void Finish() {
-    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(MakeSwath(s));
+  /// Matches all strips and aligns them by the pairs. Returns how far the boresight turned, rad.
+  /// most_roots: number of largest cells of a strip pair.
+  double MatchAll(std::size_t most_roots) {
+    registered_.clear();
+    result_.strip_pairs.clear();
+    const Vector3d before_rad = Boresight();
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j, most_roots);
+    }
+    if (result_.strip_pairs.empty()) FailNoOverlap();
     result_.variance_factor = VarianceFactor();
     for (std::size_t k = 0; k < registered_.size(); ++k) TakeDetermined(k);
     AlignAll();
     for (StripPairMatch& match : result_.strip_pairs) KeepAgreeing(&match);
     AlignAll();
+    return (Boresight() - before_rad).norm();
+  }
+
+  void Finish() {
+    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(MakeSwath(s));
     result_.boresight_rad = Boresight();
     PlacePairs();
   }
@@ -512,8 +526,7 @@ class Matcher {
     StripPairMatch& match = result_.strip_pairs[k];
     const double most_m = kMostSigma_gsd * result_.gsd_m;
     for (Work& w : registered_[k]) {
-      if (!w.registration) continue;
-      const Eigen::Matrix3d covariance_m2 = w.registration->Covariance(result_.variance_factor);
+      const Eigen::Matrix3d covariance_m2 = w.registration.Covariance(result_.variance_factor);
       if (std::sqrt(covariance_m2.trace()) > most_m) continue;
       w.pair.pair.covariance_m2 = covariance_m2;
       match.pairs.push_back(w.pair);
@@ -599,6 +612,7 @@ class FlightMatcher : public Matcher {
     return matching_internal::AlignBoresight(pairs, given_rad_, tolerance_m, options(), &source_);
   }
 
+  bool HasBoresight() const override { return true; }
   Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
 
   void AsGiven(const std::function<void()>& work) override {

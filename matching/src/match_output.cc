@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "strip_offsets.h"
+
 namespace dn {
 namespace {
 
@@ -57,10 +59,12 @@ struct Differences {
     }
   }
 
+  /// After the alignment, a single pair has no difference left.
   Json ToJson() const {
     if (before_m.empty()) return nullptr;
-    return {{"before", MisalignmentJson(ComputeMisalignment(before_m))},
-            {"after", MisalignmentJson(ComputeMisalignment(after_m))}};
+    return {
+        {"before", MisalignmentJson(ComputeMisalignment(before_m))},
+        {"after", after_m.size() < 2 ? Json() : MisalignmentJson(ComputeMisalignment(after_m))}};
   }
 };
 
@@ -87,7 +91,8 @@ Json StripPairJson(const StripPairMatch& match, const MatchSource& source) {
           {"variance_factor", match.variance_factor},
           {"evenness", ComputeEvenness(match.pairs, match.overlap_m2)},
           {"sigma_3d_median_m", match.pairs.empty() ? Json() : Json(MedianSigma(match))},
-          {"misalignment", differences.ToJson()}};
+          {"misalignment", differences.ToJson()},
+          {"offset", matching_internal::OffsetJson(match)}};
 }
 
 }  // namespace
@@ -157,7 +162,8 @@ Json MatchJson(const std::string& name, const MatchResult& result, const MatchSo
           {"misalignment", all.ToJson()},
           {"strips", strips},
           {"levels", levels},
-          {"strip_pairs", strip_pairs}};
+          {"strip_pairs", strip_pairs},
+          {"loops", matching_internal::LoopsJson(result, source)}};
 }
 
 std::string FormatMatches(const StripPairMatch& match) {

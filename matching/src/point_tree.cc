@@ -3,9 +3,11 @@
 #include <flann/algorithms/dist.h>
 #include <flann/algorithms/kdtree_single_index.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace dn::matching_internal {
 namespace {
@@ -47,6 +49,32 @@ class AllWithin final : public flann::ResultSet<float> {
  private:
   float radius2_m2_;
   std::vector<std::size_t>& found_;
+};
+
+/// The nearest points within a radius, sorted by distance.
+class SomeNearest final : public flann::ResultSet<float> {
+ public:
+  SomeNearest(std::size_t count, float radius2_m2) : count_(count), radius2_m2_(radius2_m2) {
+    entries_.reserve(count + 1);
+  }
+  bool full() const override { return entries_.size() == count_; }
+  void addPoint(float squared_m2, std::size_t index) override {
+    if (squared_m2 >= worstDist()) return;
+    const Entry entry{squared_m2, index};
+    entries_.insert(std::upper_bound(entries_.begin(), entries_.end(), entry), entry);
+    if (entries_.size() > count_) entries_.pop_back();
+  }
+  float worstDist() const override { return full() ? entries_.back().first : radius2_m2_; }
+
+  void CopyTo(std::vector<std::size_t>* found) const {
+    for (const Entry& entry : entries_) found->push_back(entry.second);
+  }
+
+ private:
+  using Entry = std::pair<float, std::size_t>;
+  std::size_t count_;
+  float radius2_m2_;
+  std::vector<Entry> entries_;
 };
 
 }  // namespace
@@ -92,6 +120,14 @@ void PointTree::FindWithin(const Vector3d& p_m, double radius_m,
   found->clear();
   AllWithin result(static_cast<float>(radius_m * radius_m), found);
   index_->Ask(p_m, &result);
+}
+
+void PointTree::FindNearest(const Vector3d& p_m, std::size_t count, double radius_m,
+                            std::vector<std::size_t>* found) const {
+  found->clear();
+  SomeNearest result(count, static_cast<float>(radius_m * radius_m));
+  index_->Ask(p_m, &result);
+  result.CopyTo(found);
 }
 
 }  // namespace dn::matching_internal

@@ -27,6 +27,10 @@ class PointTree {
   void FindWithin(const Eigen::Vector3d& p_m, double radius_m,
                   std::vector<std::size_t>* found) const;
 
+  /// Fills `found` with the points closest to p_m, at most `count`, all closer than radius_m.
+  void FindNearest(const Eigen::Vector3d& p_m, std::size_t count, double radius_m,
+                   std::vector<std::size_t>* found) const;
+
  private:
   struct Index;
   std::unique_ptr<const Index> index_;

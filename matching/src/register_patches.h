@@ -1,49 +1,73 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "patch_surface.h"
 
 namespace dn::matching_internal {
 
+/// Radius of a neighbourhood and greatest distance of partners, in distances between the points.
+inline constexpr double kReach_gsd = 3.0;
+
+/// A square of the ground.
+struct GroundCell {
+  Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();
+  double half_m = 0.0;
+
+  bool Contains(const Eigen::Vector3d& p_m) const {
+    return (p_m.head<2>() - centre_en_m).cwiseAbs().maxCoeff() <= half_m;
+  }
+};
+
 struct RegisterOptions {
-  Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();  ///< centre of the patch in a
-  double radius_m = 0.0;
-  double reach_m = 0.0;  ///< largest distance of a point from its partner
+  GroundCell cell;     ///< in strip a
+  double gsd_m = 0.0;  ///< distance between the points
+  /// Largest number of points of each strip that look for a partner.
+  std::size_t most_points = 1000;
 };
 
 /// The shift of a patch of strip a to strip b.
 struct Registration {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< a + shift = b
-  double rms_m = 0.0;       ///< weighted rms of the distances from the planes
-  double used_share = 0.0;  ///< fraction of the points with a weight above 0.25
-  /// Information matrix of the planes for independent distances: sum of w n n^T over both
-  /// directions, divided by rms^2.
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  /// Ratio of the variance between the parts of the patch to the variance for independent
-  /// distances: K / (K - 3) sum_k |g_k|^2 / (rms^2 trace(sum of w n n^T)), where g_k is the sum of
-  /// w n r over part k of K.
+  /// Centre of the information of the height, in strip a. A rotation between the strips, such as
+  /// that of a wrong boresight, changes the height with the place; the shift is that of this place.
+  Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();
+  /// Derivative of the score with respect to the shift.
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+  /// Covariance of the score if the differences of points are independent.
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  /// Variance of the scores of the parts of the patch, divided by the variance for independent
+  /// differences: K / (K - 3) sum_k g_k^T scatter^-1 g_k / 3 with the score g_k of part k of K.
   double variance_ratio = 1.0;
+  std::size_t points = 0;  ///< in the cell, both strips
+  std::size_t used = 0;    ///< points that looked for a partner
 
-  /// Returns the covariance of the shift with the variance of independent distances multiplied by
-  /// this factor.
+  /// Returns the covariance of the shift, J^-1 M J^-T with the stiffness J and the scatter M
+  /// multiplied by this factor.
   Eigen::Matrix3d Covariance(double variance_factor) const {
-    return variance_factor * information.inverse();
+    const Eigen::Matrix3d inverse = stiffness.inverse();
+    return variance_factor * inverse * scatter * inverse.transpose();
   }
 };
 
-/// Finds the shift that brings two patches together. It minimises the squared distances of the
-/// points of each patch from the planes of the other with Tukey's weights. Rotation is not
-/// estimated, because the remaining rotation of a patch is small.
+/// Finds the shift that brings two patches together. It compares the neighbourhoods of each point
+/// and the nearest point of the other patch, in both directions. Rotation is not estimated, because
+/// the remaining rotation of a patch is small.
 ///
-///   minimise  sum_a w (n_b . (a + s - c_b))^2  +  sum_b w (n_a . (b - s - c_a))^2
+///   score g(s) = sum_k w_k W_k d_k(s) = 0
 ///
-/// c, n: centroid and normal of the neighbourhood of the nearest point. The neighbourhood must be a
-/// plane: its rms is at most three times the median of all. Its normal must be within 20 deg of the
-/// normal of the point itself. A wall seen by one strip is thus not matched with the edge of the
-/// roof in the other. Returns nullopt if the patches have too few partners or do not determine a
-/// direction.
+/// d: the difference of the points. W: n n^T / variance along n where one of the neighbourhoods is
+/// a plane with the normal n, else (C_a + C_b + s0^2 I)^-1 with the covariances of the
+/// neighbourhoods. Two planes must have normals within 20 deg: a wall seen by one strip is thus not
+/// matched with the edge of the roof in the other. w: weights of Student's t distribution with 4
+/// degrees of freedom. The stiffness is a difference quotient with new partners: with the partners
+/// kept, it would be too large.
+///
+/// Returns nullopt if the patches have too few partners, or the score has no stable zero near the
+/// start.
 std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSurface& b,
                                             const Eigen::Vector3d& start_m,
                                             const RegisterOptions& options);

@@ -1,13 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "agree_with_neighbours.h"
 #include "fill_voids.h"
 #include "height_raster.h"
+#include "match_cells.h"
 #include "patches.h"
 #include "point_tree.h"
 #include "register_patches.h"
@@ -98,15 +101,20 @@ std::vector<Vector3d> Around(const std::vector<Vector3d>& points_m, const Vector
   return kept;
 }
 
+constexpr double kGsd_m = 0.5;
+const GroundCell kCell{{62.0, 62.0}, 18.0};
+
+/// Returns the surface of the points about a cell shifted by shift_m.
+PatchSurface Surface(const std::vector<Vector3d>& points_m, const Vector3d& shift_m) {
+  const Vector2d centre_m = kCell.centre_en_m + shift_m.head<2>();
+  return {Around(points_m, centre_m, 1.5 * kCell.half_m), 3.0 * kGsd_m};
+}
+
 std::optional<Registration> RegisterTown(const RoughTown& town, unsigned seed) {
-  const Vector2d centre(62.0, 62.0);
-  const double radius_m = 18.0;
-  const PatchSurface a(
-      Around(town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 2 * seed), centre, radius_m), 1.2);
-  const PatchSurface b(Around(town.Points(90000, 150.0, 0.02, kShift_m, 2 * seed + 1),
-                              centre + kShift_m.head<2>(), radius_m + 1.5),
-                       1.2);
-  return RegisterPatches(a, b, kShift_m + Vector3d(0.3, -0.25, 0.1), {centre, radius_m, 1.5});
+  const PatchSurface a =
+      Surface(town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 2 * seed), Vector3d::Zero());
+  const PatchSurface b = Surface(town.Points(90000, 150.0, 0.02, kShift_m, 2 * seed + 1), kShift_m);
+  return RegisterPatches(a, b, kShift_m + Vector3d(0.3, -0.25, 0.1), {kCell, kGsd_m, 8000});
 }
 
 TEST(RegisterPatches, FindTheShiftWithinItsCovariance) {
@@ -118,49 +126,164 @@ TEST(RegisterPatches, FindTheShiftWithinItsCovariance) {
     EXPECT_LT(error_m.norm(), 0.1);
     const Eigen::Matrix3d C = registration->Covariance(registration->variance_ratio);
     EXPECT_LT(error_m.dot(C.inverse() * error_m), 25.0);
-    EXPECT_GT(registration->used_share, 0.4);
   }
+}
+
+TEST(RegisterPatches, TheShiftIsThatOfTheCentreOfTheInformation) {
+  constexpr double kTilt_rad = 2e-3;
+  const RoughTown town;
+  std::vector<Vector3d> west, tilted = town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 2);
+  for (const Vector3d& p_m : town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 1)) {
+    if (p_m.x() < kCell.centre_en_m.x()) west.push_back(p_m);
+  }
+  for (Vector3d& p_m : tilted) p_m.z() += kTilt_rad * (p_m.x() - kCell.centre_en_m.x());
+  const auto registration =
+      RegisterPatches(Surface(west, Vector3d::Zero()), Surface(tilted, Vector3d::Zero()),
+                      Vector3d::Zero(), {kCell, kGsd_m, 8000});
+  ASSERT_TRUE(registration);
+  EXPECT_NEAR(registration->centre_en_m.x(), kCell.centre_en_m.x() - 0.5 * kCell.half_m, 2.0);
+  EXPECT_NEAR(registration->shift_m.z(),
+              kTilt_rad * (registration->centre_en_m.x() - kCell.centre_en_m.x()), 3e-3);
 }
 
 TEST(RegisterPatches, SayWhenADirectionIsFree) {
-  const auto flat = RegisterTown(RoughTown(true), 1);
-  if (flat) {  // the noise tilts the normals a little, which gives little information
-    EXPECT_GT(std::sqrt(flat->Covariance(flat->variance_ratio).trace()), 0.02);
-  }
-}
-
-TEST(ChoosePatches, AreWhereTheGroundHasShapeAndDoNotOverlap) {
-  const RoughTown town;
-  const HeightRaster a =
-      MakeRaster(Grid(150, 1.0), town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 1), 6);
-  const PatchOptions options{{8, 16}, 4.0, 3000.0, 0.3, 3000, 100};
-  const std::vector<Patch> patches = ChoosePatches(a, a, options);
-  EXPECT_GT(patches.size(), 20u);
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    EXPECT_GT(patches[i].information, 0.3);
-    for (std::size_t k = 0; k < i; ++k) {
-      const int apart = (patches[i].cell - patches[k].cell).cwiseAbs().maxCoeff();
-      EXPECT_GT(apart, patches[i].half_cells + patches[k].half_cells);
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const auto flat = RegisterTown(RoughTown(true), seed);
+    if (flat) {  // the noise tilts the normals a little, which gives little information
+      EXPECT_GT(std::sqrt(flat->Covariance(flat->variance_ratio).trace()), 0.02);
     }
   }
-  const HeightRaster flat =
-      MakeRaster(Grid(150, 1.0), RoughTown(true).Points(90000, 150.0, 0.0, Vector3d::Zero(), 1), 6);
-  EXPECT_TRUE(ChoosePatches(flat, flat, options).empty());
 }
 
-TEST(ChoosePatches, AreSharedOutWhereThereAreTooMany) {
+/// Crowns of clumps of leaves, through which some of the light reaches the ground.
+class Forest {
+ public:
+  Forest() {
+    std::mt19937_64 engine(3);
+    std::uniform_real_distribution<double> place(0.0, kEdge_m), size(0.7, 1.3);
+    for (int tree = 0; tree < 800; ++tree) {
+      const double east_m = place(engine), north_m = place(engine);
+      const Vector3d centre_m(east_m, north_m, 11.0 * size(engine));
+      crowns_.emplace_back(centre_m, 2.0 * size(engine), &engine);
+    }
+  }
+
+  std::vector<Vector3d> Points(int count, const Vector3d& shift_m, unsigned seed) const {
+    std::mt19937_64 engine(seed);
+    std::uniform_real_distribution<double> place(0.0, kEdge_m), share(0.0, 1.0);
+    std::normal_distribution<double> normal;
+    std::vector<Vector3d> points;
+    for (int i = 0; i < count; ++i) {
+      Vector3d p_m(place(engine), place(engine), 0.03 * normal(engine));
+      const Crown* above = Above(p_m);
+      if (above != nullptr && share(engine) < 0.7) p_m = above->RandomPoint(&engine);
+      points.push_back(p_m + shift_m);
+    }
+    return points;
+  }
+
+ private:
+  static constexpr double kEdge_m = 124.0;
+
+  struct Crown {
+    Crown(const Vector3d& centre, double radius, std::mt19937_64* engine)
+        : centre_m(centre), radius_m(radius) {
+      std::normal_distribution<double> normal;
+      std::exponential_distribution<double> depth(5.0);
+      for (Vector3d& clump_m : clumps_m) {
+        const Vector3d up(normal(*engine), normal(*engine), std::abs(normal(*engine)));
+        const double share = 1.0 - std::min(1.0, depth(*engine));
+        clump_m = centre + radius * share * up.normalized().cwiseProduct(Vector3d(1.0, 1.0, 2.0));
+      }
+    }
+
+    Vector3d RandomPoint(std::mt19937_64* engine) const {
+      std::normal_distribution<double> normal(0.0, 0.12);
+      const double x = normal(*engine), y = normal(*engine), z = normal(*engine);
+      return clumps_m[(*engine)() % clumps_m.size()] + Vector3d(x, y, z);
+    }
+
+    Vector3d centre_m;
+    double radius_m;
+    std::array<Vector3d, 60> clumps_m;
+  };
+
+  const Crown* Above(const Vector3d& p_m) const {
+    for (const Crown& crown : crowns_) {
+      if ((crown.centre_m - p_m).head<2>().norm() < crown.radius_m) return &crown;
+    }
+    return nullptr;
+  }
+
+  std::vector<Crown> crowns_;
+};
+
+/// Returns the surfaces of a forest seen twice, the second time shifted by kShift_m.
+std::pair<PatchSurface, PatchSurface> SeenTwice(const Forest& forest, unsigned seed) {
+  constexpr int kPoints = 62000;  // four per square metre
+  return {Surface(forest.Points(kPoints, Vector3d::Zero(), 2 * seed), Vector3d::Zero()),
+          Surface(forest.Points(kPoints, kShift_m, 2 * seed + 1), kShift_m)};
+}
+
+TEST(MatchCells, AForestIsDividedIntoCellsWithHonestCovariances) {
+  const Forest forest;
+  double normalised = 0.0, squares_m2 = 0.0, count = 0.0;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const auto [a, b] = SeenTwice(forest, seed);
+    const std::vector<CellMatch> matches =
+        MatchCells(a, b, kShift_m + Vector3d(0.5, -0.4, 0.2), {kCell, kGsd_m, 3.0});
+    EXPECT_GE(matches.size(), 10u);
+    for (const CellMatch& match : matches) {
+      const Vector3d error_m = match.registration.shift_m - kShift_m;
+      const Eigen::Matrix3d C =
+          match.registration.Covariance(std::max(1.0, match.registration.variance_ratio));
+      normalised += error_m.dot(C.inverse() * error_m) / 3.0;
+      squares_m2 += error_m.squaredNorm();
+      count += 1.0;
+    }
+  }
+  EXPECT_LT(std::sqrt(squares_m2 / count), 0.3 * kGsd_m);
+  EXPECT_GT(normalised / count, 0.3);
+  EXPECT_LT(normalised / count, 2.5);
+}
+
+TEST(MatchCells, DoNotOverlap) {
+  const auto [a, b] = SeenTwice(Forest(), 1);
+  const std::vector<CellMatch> matches = MatchCells(a, b, kShift_m, {kCell, kGsd_m, 3.0});
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double apart_m =
+          (matches[i].cell.centre_en_m - matches[k].cell.centre_en_m).cwiseAbs().maxCoeff();
+      EXPECT_GE(apart_m, matches[i].cell.half_m + matches[k].cell.half_m - 1e-9);
+    }
+  }
+}
+
+TEST(ChooseCells, AnyNumberOfThemIsSpreadOverTheArea) {
   const RoughTown town;
   const HeightRaster a =
       MakeRaster(Grid(150, 1.0), town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 1), 6);
-  const std::vector<Patch> patches = ChoosePatches(a, a, {{8, 16}, 4.0, 3000.0, 0.3, 9, 50});
-  ASSERT_EQ(patches.size(), 9u);
+  const std::vector<GroundCell> cells = ChooseCells(a, a, 15);
+  ASSERT_EQ(cells.size(), 100u);
   int west = 0, south = 0;
-  for (const Patch& patch : patches) {
-    west += patch.cell.x() < 75 ? 1 : 0;
-    south += patch.cell.y() < 75 ? 1 : 0;
+  for (int k = 0; k < 10; ++k) {
+    west += cells[static_cast<std::size_t>(k)].centre_en_m.x() < 75.0 ? 1 : 0;
+    south += cells[static_cast<std::size_t>(k)].centre_en_m.y() < 75.0 ? 1 : 0;
   }
   EXPECT_THAT(west, ::testing::AllOf(::testing::Ge(3), ::testing::Le(7)));
   EXPECT_THAT(south, ::testing::AllOf(::testing::Ge(3), ::testing::Le(7)));
+}
+
+TEST(ChooseCells, AreWhereBothStripsHavePoints) {
+  const RoughTown town;
+  const std::vector<Vector3d> points = town.Points(90000, 150.0, 0.02, Vector3d::Zero(), 1);
+  std::vector<Vector3d> west;
+  for (const Vector3d& p_m : points) {
+    if (p_m.x() < 70.0) west.push_back(p_m);
+  }
+  const HeightRaster a = MakeRaster(Grid(150, 1.0), points, 0);
+  const HeightRaster b = MakeRaster(Grid(150, 1.0), west, 0);
+  EXPECT_EQ(ChooseCells(a, b, 15).size(), 50u);
 }
 
 /// Returns shifts on a grid with twice their stated sigmas.
@@ -187,6 +310,21 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
   EXPECT_FALSE(agreement.agrees[77]);
   EXPECT_GE(std::count(agreement.agrees.begin(), agreement.agrees.end(), true), 190);
   EXPECT_NEAR(agreement.variance_factor, 4.0, 1.0);
+}
+
+TEST(AgreeWithNeighbours, AFewAccurateOnesAmongOthersAreNotWidened) {
+  std::mt19937_64 engine(6);
+  std::normal_distribution<double> normal;
+  std::vector<PlacedShift> shifts = ScatteredShifts();
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    const double sigma_m = i % 10 == 0 ? 0.01 : 0.1;
+    shifts[i].shift_m = kShift_m;
+    for (int axis = 0; axis < 3; ++axis) shifts[i].shift_m[axis] += sigma_m * normal(engine);
+    shifts[i].covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+  }
+  const Agreement agreement = AgreeWithNeighbours(shifts);
+  EXPECT_GE(std::count(agreement.agrees.begin(), agreement.agrees.end(), true), 195);
+  EXPECT_LT(agreement.variance_factor, 1.2);
 }
 
 TEST(AgreeWithNeighbours, WhatAnErrorOfAttitudeDoesIsNoDisagreement) {
@@ -224,6 +362,12 @@ TEST(PointTree, FindsWhatALookAtEveryPointFinds) {
     EXPECT_NEAR((points_m[nearest.index] - at_m).norm(), nearest_m, 1e-5);
     std::vector<std::size_t> found;
     tree.FindWithin(at_m, kRadius_m, &found);
+    EXPECT_THAT(found, ::testing::UnorderedElementsAreArray(within));
+    std::sort(within.begin(), within.end(), [&](std::size_t p, std::size_t q) {
+      return (points_m[p] - at_m).norm() < (points_m[q] - at_m).norm();
+    });
+    within.resize(std::min<std::size_t>(within.size(), 5));
+    tree.FindNearest(at_m, 5, kRadius_m, &found);
     EXPECT_THAT(found, ::testing::UnorderedElementsAreArray(within));
   }
 }

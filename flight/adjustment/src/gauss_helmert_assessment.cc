@@ -87,7 +87,10 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   if (boresight.verdict == Verdict::kCalibrated)
     AssessLargestSigma(boresight.sigma_rad(), &boresight);
   AddGeometryReasons(AttitudeErrors(*calibration), calibration->diversity, &boresight);
-  if (adjustment.pairs_kept < kFewPairs) {
+  const bool told = std::any_of(
+      boresight.reasons.begin(), boresight.reasons.end(),
+      [](const Finding& finding) { return std::holds_alternative<facts::FewPairs>(finding.fact); });
+  if (!told && adjustment.pairs_kept < kFewPairs) {
     boresight.reasons.push_back({facts::FewPairs{adjustment.pairs_kept}});
   }
   AddWideningReason(calibration->scatter, calibration->accuracy, calibration->constant_rad2,

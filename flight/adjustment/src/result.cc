@@ -174,12 +174,18 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
   // the angle.
   constexpr double kPairResolutions = 10.0;
   constexpr double kAttitudeSigmas = 3.0;
+  constexpr std::size_t kFewestPairs = 6;  // two per angle: a wrong pair is then visible
   const double pairs_rad = kPairResolutions * PairResolution(flight);
   AssessSeparability(result);
   for (int i = 0; i < 3; ++i) {
     if (sigma_rad[i] <= pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) continue;
     result->verdict = Verdict::kNotObservable;
     result->reasons.push_back({facts::SigmaAbovePairs{i}});
+  }
+  const std::vector<LidarPair>& pairs = flight.pairs->pairs;
+  if (pairs.size() < kFewestPairs) {
+    result->verdict = Verdict::kNotObservable;
+    result->reasons.push_back({facts::FewPairs{static_cast<long>(pairs.size())}});
   }
   if (result->verdict == Verdict::kCalibrated) AssessLargestSigma(sigma_rad, result);
 }

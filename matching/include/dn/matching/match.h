@@ -22,9 +22,9 @@ struct MatchOptions {
   double search_rad = 5.0 * 3.14159265358979323846 / 180.0;
   double search_m = 10.0;         ///< search radius for bare strips
   std::size_t most_pairs = 3000;  ///< largest number of pairs of a strip pair
-  /// Half the side of the compared patches, in ground sampling distances. Patches of twice this
-  /// size fill the remaining space. Smaller patches give more pairs with more noise.
-  double patch_gsd = 24.0;
+  /// Half the side of the smallest cells, in ground sampling distances. Cells of 96 GSD are divided
+  /// as long as the quarters are accurate enough.
+  double patch_gsd = 6.0;
   /// Position sigmas of the trajectory.
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d(0.03, 0.03, 0.05);
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d(5e-5, 5e-5, 9e-5);
@@ -41,7 +41,7 @@ struct MatchedPair {
   Eigen::Vector3d p_i_m = Eigen::Vector3d::Zero();  ///< position with the initial alignment
   Eigen::Vector3d p_j_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d after_m = Eigen::Vector3d::Zero();  ///< p_i - p_j with the alignment of all pairs
-  double radius_m = 0.0;                              ///< radius of the compared patches
+  double radius_m = 0.0;                              ///< half the side of the cell
 
   Eigen::Vector3d before_m() const { return p_i_m - p_j_m; }
 };
@@ -50,9 +50,9 @@ struct MatchedPair {
 struct StripPairMatch {
   std::size_t i = 0, j = 0;    ///< indices of the strips
   double overlap_m2 = 0.0;     ///< area of the ground with points of both strips
-  std::size_t candidates = 0;  ///< places with sufficient slopes
+  std::size_t candidates = 0;  ///< places that both strips cover
   std::size_t found = 0;       ///< places with a unique shift between the rasters
-  std::size_t registered = 0;  ///< places with a sufficiently accurate shift between the points
+  std::size_t registered = 0;  ///< cells with a sufficiently accurate shift between the points
   /// Variance inflation (>= 1) that makes neighbouring matches consistent.
   double variance_factor = 1.0;
   std::vector<MatchedPair> pairs;  ///< pairs that agree with their neighbours
@@ -89,10 +89,9 @@ struct MatchResult {
 ///    differences, at first with cells of a sixteenth of the search radius. The boresight with
 ///    which most shifts agree, from a Gauss-Helmert adjustment, brings the strips together. The
 ///    search radius is then reduced, down to 18 GSD.
-/// 2. Places with slopes in all directions, with a radius of 24 GSD and larger ones in the
-///    remaining space, and a raster search at each place.
-/// 3. The points themselves: registration of the two patches in both directions, with its
-///    covariance.
+/// 2. A raster search at places 48 GSD apart.
+/// 3. The points themselves: registration of ground cells in both directions, with its covariance.
+///    Cells of 96 GSD are divided into quarters as long as the quarters are accurate enough.
 /// 4. Matches that contradict their neighbours are left out.
 ///
 /// The alignment of `source` is set to the result. The result is the same for any number of
