@@ -1,6 +1,6 @@
 // A simulated flight: a scenario in C++, the measurements, and the truth behind them.
 //
-// Three lines are flown with the sensors of a shipped scenario. Compares angular rates, GNSS and
+// Three lines are flown with the sensors of a shipped scenario, without vibration. Compares angular rates, GNSS and
 // point pairs with the truth. Fails unless their noise is the stated one, as far as chance allows.
 #include <dn/sim/simulate.h>
 
@@ -23,7 +23,7 @@ struct Ratio {
 };
 
 int main() {
-  dn::Scenario scenario = dn::ReadScenario("lar2");
+  dn::Scenario scenario = dn::ReadScenario("lar2_rest");
   scenario.plan.warm_up_s = 30.0;
   scenario.plan.lines = {{{-600, 0}, {600, 0}, 700, 45},  // start, end [m], height [m], speed [m/s]
                          {{600, 120}, {-600, 120}, 700, 45},

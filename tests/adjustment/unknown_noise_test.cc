@@ -46,7 +46,7 @@ TEST_P(UnknownNoise, IsFoundFromTheData) {
   EXPECT_LT(std::abs(std::log(gyro_si / truth.gyro.white)), std::log(1.5));
   EXPECT_LT(std::abs(std::log(accel_si / truth.accel.white)), std::log(1.5));
   EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 1.0, 0.1);
-  EXPECT_EQ(sim.flight.config.imu->model.gyro.white, gyro_si);
+  EXPECT_DOUBLE_EQ(sim.flight.config.imu->model.gyro.white, gyro_si);
 }
 
 TEST_P(UnknownNoise, GivesTheBoresightAnHonestSigma) {

@@ -11,13 +11,13 @@ namespace {
 
 using C = ControlColumn;
 
-struct Names {
+struct ControlNames {
   C column;
   std::vector<std::string> names;  ///< the first one is shown in messages
 };
 
-const std::vector<Names>& AllNames() {
-  static const std::vector<Names> all{
+const std::vector<ControlNames>& AllControlNames() {
+  static const std::vector<ControlNames> all{
       {C::kName, {"name", "id", "point", "pt"}},
       {C::kEast, {"east", "e", "easting"}},
       {C::kNorth, {"north", "n", "northing"}},
@@ -54,15 +54,15 @@ std::string WithoutUnit(std::string_view word) {
 
 std::optional<C> ColumnNamed(std::string_view word) {
   const std::string name = WithoutUnit(word);
-  for (const Names& one : AllNames()) {
+  for (const ControlNames& one : AllControlNames()) {
     if (std::find(one.names.begin(), one.names.end(), name) != one.names.end()) return one.column;
   }
   return std::nullopt;
 }
 
 std::string FirstName(C column) {
-  const auto at = std::find_if(AllNames().begin(), AllNames().end(),
-                               [&](const Names& one) { return one.column == column; });
+  const auto at = std::find_if(AllControlNames().begin(), AllControlNames().end(),
+                               [&](const ControlNames& one) { return one.column == column; });
   return at->names.front();
 }
 
@@ -154,7 +154,8 @@ std::optional<std::size_t> ControlColumns::Find(ControlColumn column) const {
 
 std::string ControlColumnNames() {
   std::string text;
-  for (const Names& one : AllNames()) text += (text.empty() ? "" : ", ") + one.names.front();
+  for (const ControlNames& one : AllControlNames())
+    text += (text.empty() ? "" : ", ") + one.names.front();
   return text;
 }
 
