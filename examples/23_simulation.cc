@@ -1,7 +1,8 @@
 // A simulated flight: a scenario in C++, the measurements, and the truth behind them.
 //
-// Three lines are flown with the sensors of a shipped scenario, without vibration. Compares angular rates, GNSS and
-// point pairs with the truth. Fails unless their noise is the stated one, as far as chance allows.
+// Three lines are flown with the sensors of a shipped scenario, without vibration. Compares angular
+// rates, GNSS and point pairs with the truth. Fails unless their noise is the stated one, as far as
+// chance allows.
 #include <dn/sim/simulate.h>
 
 #include <cmath>

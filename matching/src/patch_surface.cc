@@ -9,7 +9,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kNeighbours = 16;
+constexpr std::size_t kPlaneNeighbours = 16;
 constexpr std::size_t kFewestNeighbours = 6;
 constexpr double kPlanarRatio = 0.08;  // least variance over the middle one
 constexpr double kLineRatio = 1e-12;   // second variance over the first: rounding errors
@@ -48,7 +48,7 @@ PatchSurface::PatchSurface(std::vector<Vector3d> points_m, double reach_m)
   neighbourhoods_.reserve(points_m_.size());
   std::vector<std::size_t> nearest;
   for (const Vector3d& p_m : points_m_) {
-    tree_.FindNearest(p_m, kNeighbours, reach_m, &nearest);
+    tree_.FindNearest(p_m, kPlaneNeighbours, reach_m, &nearest);
     neighbourhoods_.push_back(Describe(points_m_, nearest));
   }
 }
