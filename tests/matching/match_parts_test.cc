@@ -174,7 +174,10 @@ class Forest {
     std::normal_distribution<double> normal;
     std::vector<Vector3d> points;
     for (int i = 0; i < count; ++i) {
-      Vector3d p_m(place(engine), place(engine), 0.03 * normal(engine));
+      // One draw per statement: compilers evaluate arguments in different orders.
+      const double up_m = 0.03 * normal(engine);
+      const double north_m = place(engine), east_m = place(engine);
+      Vector3d p_m(east_m, north_m, up_m);
       const Crown* above = Above(p_m);
       if (above != nullptr && share(engine) < 0.7) p_m = above->RandomPoint(&engine);
       points.push_back(p_m + shift_m);
@@ -191,7 +194,8 @@ class Forest {
       std::normal_distribution<double> normal;
       std::exponential_distribution<double> depth(5.0);
       for (Vector3d& clump_m : clumps_m) {
-        const Vector3d up(normal(*engine), normal(*engine), std::abs(normal(*engine)));
+        const double z = std::abs(normal(*engine)), y = normal(*engine), x = normal(*engine);
+        const Vector3d up(x, y, z);
         const double share = 1.0 - std::min(1.0, depth(*engine));
         clump_m = centre + radius * share * up.normalized().cwiseProduct(Vector3d(1.0, 1.0, 2.0));
       }

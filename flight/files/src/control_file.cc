@@ -43,8 +43,9 @@ class RowReader {
     row.where = where_;
     row.name = ReadPointName();
     row.geographic = columns_.geographic();
-    row.coordinates << Number(row.geographic ? C::kLat : C::kEast),
-        Number(row.geographic ? C::kLon : C::kNorth), Number(C::kHeight);
+    row.coordinates =
+        Eigen::Vector3d(Number(row.geographic ? C::kLat : C::kEast),
+                        Number(row.geographic ? C::kLon : C::kNorth), Number(C::kHeight));
     row.normal = Triple({C::kNormalEast, C::kNormalNorth, C::kNormalUp});
     if (row.normal && !(row.normal->norm() > 0.0)) Fail("the normal has no length");
     ReadSigmas(&row);
