@@ -128,7 +128,6 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
   options.mounting = config.lidar->mounting;
   options.time_span_s = config.time_span_s;
   options.time_offset_s = config.lidar->time_offset_s;
-  options.surface_cell_m = SurfaceCell(*config.lidar);
   options.threads = threads;
   return options;
 }
@@ -138,6 +137,7 @@ void GeoreferenceStrips(NewStrips work, Run& run) {
   const FlightConfig& config = work.config;
   const std::vector<fs::path> files = RequireStripFiles(config.folder);
   const Vector3d boresight_rad = work.options.mounting.boresight_rad;
+  if (files.size() > 1) work.options.surface_cell_m = SurfaceCell(*config.lidar);
   const PointCrs crs(config.strips_crs, work.frame);
   const StripGeoreferencer georeferencer(std::move(work.options), work.frame, crs);
   Json strips = Json::array();

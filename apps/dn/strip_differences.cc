@@ -132,6 +132,30 @@ void PrintPair(const std::string& name, const Statistics& before, const Statisti
   fmt::print("  {:<24} {:>8}  {}  {}\n", name, after.cells, text(before), text(after));
 }
 
+void PrintHeader(double cell_m) {
+  fmt::print("height differences of strips on flat ground, cells of {:g} m\n", cell_m);
+  fmt::print("  {:<24} {:>8}  {:>9} {:>8} {:>8}  {:>9} {:>8} {:>8}\n", "strips", "cells",
+             "median[m]", "rms [m]", "to 8 cm", "new [m]", "rms [m]", "to 8 cm");
+}
+
+/// Prints and stages the differences `after` of two strips; returns their entry for georef.json.
+Json ReportPair(const StripSurfaces& first, const StripSurfaces& second,
+                const std::vector<SurfaceDifference>& after, const PointCrs& crs, Run* run) {
+  const double cell_m = first.after.cell_m;
+  const std::string name = first.strip + "-" + second.strip;
+  const Statistics old_ones = Summarise(SurfaceDifferences(first.before, second.before)),
+                   new_ones = Summarise(after);
+  PrintPair(name, old_ones, new_ones);
+  const std::string file = "differences/" + name + ".asc";
+  const FlatSurface surface = AsSurface(after, cell_m);
+  run->AddFile(file, DifferenceRaster(surface, MeanHeight(first.after), crs).Text());
+  return {{"strips", {first.strip, second.strip}},
+          {"cell_m", cell_m},
+          {"before", StatisticsJson(old_ones)},
+          {"after", StatisticsJson(new_ones)},
+          {"raster", file}};
+}
+
 }  // namespace
 
 Json CompareStrips(const std::vector<StripSurfaces>& strips, const PointCrs& crs, Run* run) {
@@ -140,23 +164,8 @@ Json CompareStrips(const std::vector<StripSurfaces>& strips, const PointCrs& crs
     for (std::size_t j = i + 1; j < strips.size(); ++j) {
       const auto after = SurfaceDifferences(strips[i].after, strips[j].after);
       if (after.size() < kFewestCells) continue;
-      const auto before = SurfaceDifferences(strips[i].before, strips[j].before);
-      if (list.empty()) {
-        fmt::print("height differences of strips on flat ground, cells of {:g} m\n",
-                   strips[i].after.cell_m);
-        fmt::print("  {:<24} {:>8}  {:>9} {:>8} {:>8}  {:>9} {:>8} {:>8}\n", "strips", "cells",
-                   "median[m]", "rms [m]", "to 8 cm", "new [m]", "rms [m]", "to 8 cm");
-      }
-      const std::string name = strips[i].strip + "-" + strips[j].strip;
-      PrintPair(name, Summarise(before), Summarise(after));
-      const FlatSurface surface = AsSurface(after, strips[i].after.cell_m);
-      const std::string file = "differences/" + name + ".asc";
-      run->AddFile(file, DifferenceRaster(surface, MeanHeight(strips[i].after), crs).Text());
-      list.push_back({{"strips", {strips[i].strip, strips[j].strip}},
-                      {"cell_m", strips[i].after.cell_m},
-                      {"before", StatisticsJson(Summarise(before))},
-                      {"after", StatisticsJson(Summarise(after))},
-                      {"raster", file}});
+      if (list.empty()) PrintHeader(strips[i].after.cell_m);
+      list.push_back(ReportPair(strips[i], strips[j], after, crs, run));
     }
   }
   return list;
