@@ -23,6 +23,10 @@ std::vector<double> GnssNorms2(const FlightNetwork& network) {
 
 }  // namespace
 
+double Excess(const CostSummary& cost) {
+  return 2.0 * cost.cost - static_cast<double>(cost.redundancy());
+}
+
 bool IsHopeless(const FlightNetwork& network) {
   const std::vector<double> norm2 = GnssNorms2(network);
   return !norm2.empty() && RobustVariance(norm2) > kHopelessSigmas * kHopelessSigmas;

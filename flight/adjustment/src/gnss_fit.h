@@ -1,8 +1,15 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
+#include <dn/solvers/solve.h>
 
 namespace dn::adjustment_internal {
+
+/// A cause of a misfit must remove this share of it.
+inline constexpr double kExplainedShare = 0.5;
+
+/// Returns the excess of the sum of squared residuals over its expectation.
+double Excess(const CostSummary& cost);
 
 /// Returns whether the median residual of the GNSS positions in use exceeds 30 sigmas. Neither
 /// noise, time-correlated errors nor outliers can cause this. Wrong axes, units or coordinates

@@ -10,10 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "gnss_fit.h"
+
 namespace dn::adjustment_internal {
 namespace {
 
-constexpr double kExplainedShare = 0.5;
 constexpr int kMostTrials = 4;
 
 /// A step of the tags of the GNSS epochs. The epochs near it may lie on either side.
@@ -43,12 +44,6 @@ std::vector<MapGnssEpoch> CorrectedEpochs(const std::vector<MapGnssEpoch>& epoch
   return corrected;
 }
 
-// Returns the excess of the squared residuals over their expectation.
-double Excess(FlightNetwork& network, int threads) {
-  const CostSummary cost = EvaluateCost(network.net(), threads);
-  return 2.0 * cost.cost - static_cast<double>(cost.redundancy());
-}
-
 /// An INS/GNSS network of corrected tags.
 struct Trial {
   double excess;
@@ -64,7 +59,8 @@ Trial Try(const Flight& flight, const AdjustOptions& options) {
   marginals.ComputeSelectedInverse();
   const auto left = ExplainGnssMisfit(run.network(), marginals);
   const bool steps = left && left->cause == GnssMisfit::Cause::kClockStep;
-  return {Excess(run.network(), options.threads), steps ? left->estimate[0] : 0.0};
+  return {Excess(EvaluateCost(run.network().net(), options.threads)),
+          steps ? left->estimate[0] : 0.0};
 }
 
 }  // namespace

@@ -37,8 +37,6 @@ constexpr double kLargestRejectedShare = 1.0 / 3.0;
 // Residuals of more than this many times their stated noise are not noise.
 constexpr double kLargestGnssSigma0 = 10.0;
 constexpr double kLargestClockOffsetS = 2.0;
-// Share of the misfit that the clock must remove to be found off.
-constexpr double kExplainedShare = 0.5;
 constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnssTimeDrift;
 constexpr const char* kScreened = "INS/GNSS, screened";
 
@@ -275,8 +273,8 @@ class EpochScreener {
 
   bool ClockExplains() const {
     const double gain = 2.0 * (held_.cost - free_.cost);
-    const double excess = 2.0 * held_.cost - static_cast<double>(held_.redundancy());
-    return gain >= kExplainedShare * excess && free_.sigma0() <= kLargestGnssSigma0;
+    return gain >= adjustment_internal::kExplainedShare * adjustment_internal::Excess(held_) &&
+           free_.sigma0() <= kLargestGnssSigma0;
   }
 
   ClockEstimate EstimateClockError(const FlightNetwork& network) const {
