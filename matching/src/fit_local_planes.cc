@@ -8,7 +8,7 @@
 #include <string>
 
 #include "checks.h"
-#include "local_planes.h"
+#include "point_tree.h"
 
 namespace dn {
 namespace {
@@ -55,13 +55,7 @@ std::vector<LocalPlane> FitLocalPlanes(const std::vector<Eigen::Vector3d>& point
                        std::to_string(points_m.size()) + " points");
   }
   if (at.empty()) return {};
-  return matching_internal::FitLocalPlanes(points_m, matching_internal::PointTree(points_m), at,
-                                           radius_m);
-}
-
-std::vector<LocalPlane> matching_internal::FitLocalPlanes(
-    const std::vector<Eigen::Vector3d>& points_m, const PointTree& tree,
-    const std::vector<std::size_t>& at, double radius_m) {
+  const matching_internal::PointTree tree(points_m);
   std::vector<LocalPlane> planes;
   std::vector<std::size_t> neighbours;
   planes.reserve(at.size());

@@ -24,9 +24,6 @@ struct RasterGrid {
   Eigen::Vector2i CellIndex(const Eigen::Vector2d& en_m) const {
     return ((en_m - origin_en_m) / cell_m).array().floor().cast<int>();
   }
-  Eigen::Vector2d Centre(int x, int y) const {
-    return origin_en_m + cell_m * (Eigen::Vector2d(x, y) + Eigen::Vector2d::Constant(0.5));
-  }
 };
 
 /// Height of the highest point in each cell. The highest is used because each strip sees walls from

@@ -94,6 +94,10 @@ struct MatchResult {
 ///    Cells of 96 GSD are divided into quarters as long as the quarters are accurate enough.
 /// 4. Matches that contradict their neighbours are left out.
 ///
+/// Of a flight, steps 2 to 4 first match 32 large cells of each strip pair, because the boresight
+/// of the rasters leaves the strips tilted against each other. They are repeated once if the
+/// boresight then still turns by more than 1e-4 rad.
+///
 /// The alignment of `source` is set to the result. The result is the same for any number of
 /// threads. Throws InvalidInput like MatchSource::Read, for fewer than two strips, and if no two
 /// strips overlap. Throws InvalidConfig if gsd_m is below a tenth of the distance between the
