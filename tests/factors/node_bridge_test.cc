@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "factors/gyro_scale.h"
+#include "factors/corrected_motion.h"
 #include "testing/earth_motion.h"
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
@@ -23,21 +23,13 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Matrix9 = IncrementConditioning::Matrix9;
 using testing::EarthMotion;
-using testing::GyroScale;
 using testing::State;
 
 // Large enough that the conditional covariance is far above the floor of the positions.
 const PreintegrationNoise kStrongNoise{5.0 * kRadPerDeg / 60.0, 0.05, 1e-6};
 
-class Bridge : public ::testing::Test {
+class Bridge : public testing::CorrectedMotion {
  protected:
-  const EarthMotion motion_ = testing::PlaneMotion();
-  const ImuData imu_ = motion_.Measure(0.0, 6.0, 200.0);
-  const ImuCorrection plain_{Vector3d(1e-4, -2e-4, 3e-4), Vector3d(0.01, 0.02, -0.01), {}};
-  const ImuCorrection scaled_{Vector3d(1e-4, -2e-4, 3e-4),
-                              Vector3d(0.01, 0.02, -0.01),
-                              {{std::make_shared<GyroScale>(), Vector3d(1e-3, 0.0, -2e-3)}}};
-
   Preintegrated Increments(double t0_s, double t1_s, const ImuCorrection& correction) const {
     return Preintegrate(imu_, t0_s, t1_s, correction, kStrongNoise);
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "factors/gyro_scale.h"
+#include "factors/corrected_motion.h"
 #include "testing/earth_motion.h"
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
@@ -18,7 +18,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using testing::EarthMotion;
-using testing::GyroScale;
 using testing::State;
 
 const PreintegrationNoise kNoise{5.0 * kRadPerDeg / 60.0, 0.05, 1e-6};
@@ -52,15 +51,8 @@ struct PlainControl {
   }
 };
 
-class Control : public ::testing::Test {
+class Control : public testing::CorrectedMotion {
  protected:
-  const EarthMotion motion_ = testing::PlaneMotion();
-  const ImuData imu_ = motion_.Measure(0.0, 6.0, 200.0);
-  const ImuCorrection plain_{Vector3d(1e-4, -2e-4, 3e-4), Vector3d(0.01, 0.02, -0.01), {}};
-  const ImuCorrection scaled_{Vector3d(1e-4, -2e-4, 3e-4),
-                              Vector3d(0.01, 0.02, -0.01),
-                              {{std::make_shared<GyroScale>(), Vector3d(1e-3, 0.0, -2e-3)}}};
-
   /// A return 10 m from the surveyed point.
   PreparedControl Make(const ImuCorrection& correction, bool bridge) const {
     PreparedControl control;

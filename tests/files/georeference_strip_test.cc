@@ -120,6 +120,18 @@ class GeoreferenceStrip : public ::testing::Test {
   }
   fs::path Out(const std::string& name) const { return folder_.path() / ("new_" + name); }
 
+  /// Returns a LAS file in map whose time tags are early.
+  std::string EarlyLas(const std::vector<double>& epochs_s, double early_s) const {
+    constexpr std::size_t kRecord = 30, kTimeAt = 22;
+    std::string las = Las(survey_, PointCrs("map", survey_.motion.frame), epochs_s);
+    std::size_t at = las.size() - kRecord * epochs_s.size() + kTimeAt;
+    for (const double t_s : epochs_s) {
+      LasBytes::Put(t_s - early_s, at, &las);
+      at += kRecord;
+    }
+    return las;
+  }
+
   Survey survey_;
   TempFolder folder_;
 };
@@ -212,7 +224,6 @@ TEST_F(GeoreferenceStrip, AKnownOffsetOfTheTagsIsTakenOut) {
 // Time tags in UTC, or of another clock: the points lie along the course from where the trajectory
 // puts them.
 TEST_F(GeoreferenceStrip, AnotherClockIsNamed) {
-  const PointCrs crs("map", survey_.motion.frame);
   const std::vector<double> epochs_s = Epochs(2000, kBegin_s + 1.0, 0.009);
   std::string text;
   for (const double t_s : epochs_s) {
@@ -225,12 +236,7 @@ TEST_F(GeoreferenceStrip, AnotherClockIsNamed) {
     text += "\n";
   }
   folder_.Write("strip.txt", text);
-  std::string las = Las(survey_, crs, epochs_s);
-  const std::size_t begin = las.size() - 30 * epochs_s.size();
-  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
-    LasBytes::Put(epochs_s[i] - 8.0, begin + 30 * i + 22, &las);
-  }
-  folder_.Write("strip.las", las);
+  folder_.Write("strip.las", EarlyLas(epochs_s, 8.0));
   GeoreferenceOptions options = survey_.Options();
   options.trajectory = survey_.Flown(kBegin_s - 10.0, kEnd_s);
   for (const char* name : {"strip.txt", "strip.las"}) {
@@ -245,12 +251,7 @@ TEST_F(GeoreferenceStrip, AnotherClockIsNamed) {
 // After a turn the distance of the points gives less than the 18 s of UTC.
 TEST_F(GeoreferenceStrip, AboutEighteenSecondsAreUtc) {
   const std::vector<double> epochs_s = Epochs(2000, kBegin_s + 1.0, 0.009);
-  std::string las = Las(survey_, PointCrs("map", survey_.motion.frame), epochs_s);
-  const std::size_t begin = las.size() - 30 * epochs_s.size();
-  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
-    LasBytes::Put(epochs_s[i] - 16.8, begin + 30 * i + 22, &las);
-  }
-  folder_.Write("strip.las", las);
+  folder_.Write("strip.las", EarlyLas(epochs_s, 16.8));
   GeoreferenceOptions options = survey_.Options();
   options.trajectory = survey_.Flown(kBegin_s - 20.0, kEnd_s);
   ExpectInvalidIn([&] { Run(options, "map", "strip.las"); },
