@@ -39,4 +39,14 @@ Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, std::
           {}};
 }
 
+void DrawSharedPairErrors(double factor, std::uint64_t seed, PairScenario* pairs) {
+  constexpr double kSmallest = -7.0, kShortestM = 15.0;  // exponent of 2
+  Random random(seed, "unmodelled shared errors of pairs");
+  if (random.Uniform() < 0.5) return;
+  const double exponent = kSmallest + std::floor(random.Uniform(0.0, 1.0 - kSmallest));
+  const double ratio = factor * factor * std::exp2(exponent);
+  pairs->shared_fraction = ratio / (1.0 + ratio);
+  pairs->shared_length_m = kShortestM * std::exp2(std::floor(random.Uniform(0.0, 4.0)));
+}
+
 }  // namespace dn

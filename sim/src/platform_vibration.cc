@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "sine_table.h"
+
 namespace dn {
 namespace {
 
@@ -127,19 +129,21 @@ PlatformVibration::Sample PlatformVibration::At(double t_s) const {
   std::vector<SumOfSines::Sample> wander;
   wander.reserve(wander_rad_.size());
   for (const SumOfSines& sum : wander_rad_) wander.push_back(sum.At(t_s));
-  Vector value = Vector::Zero(), first = Vector::Zero(), second = Vector::Zero();
+  static const SineTable table;
+  Vector value = Vector::Zero(), first = Vector::Zero();
+  Eigen::Vector3d shift_accel = Eigen::Vector3d::Zero();
   for (const Tone& tone : tones_) {
     const SumOfSines::Sample& slow = wander[tone.wander];
-    const double angle_rad = tone.rate_radps * t_s + tone.wander_share * slow.value;
     const double rate_radps = tone.rate_radps + tone.wander_share * slow.first;
-    const double cosine = std::cos(angle_rad), sine = std::sin(angle_rad);
+    const auto [cosine, sine] = table.At(tone.rate_radps * t_s + tone.wander_share * slow.value);
     const Vector x = cosine * tone.cosine + sine * tone.sine;
     const Vector per_rad = cosine * tone.sine - sine * tone.cosine;
     value += x;
     first += rate_radps * per_rad;
-    second += tone.wander_share * slow.second * per_rad - rate_radps * rate_radps * x;
+    shift_accel +=
+        tone.wander_share * slow.second * per_rad.head<3>() - rate_radps * rate_radps * x.head<3>();
   }
-  return {value.head<3>(), first.head<3>(), second.head<3>(), value.tail<3>(), first.tail<3>()};
+  return {value.head<3>(), first.head<3>(), shift_accel, value.tail<3>(), first.tail<3>()};
 }
 
 }  // namespace dn

@@ -17,4 +17,9 @@ std::vector<Effect> DrawEffects(const UnmodelledPrior& prior, double factor, std
 /// size, for these stated sigmas east, north, up.
 Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, std::uint64_t seed);
 
+/// Draws the errors that neighbouring pairs share. Half of the flights have none. In the others,
+/// the variance of these errors is 1/128, 1/64, .. 1 of that of the independent ones, times
+/// `factor` squared, and their length is 15, 30, 60 or 120 m, all equally probable.
+void DrawSharedPairErrors(double factor, std::uint64_t seed, PairScenario* pairs);
+
 }  // namespace dn
