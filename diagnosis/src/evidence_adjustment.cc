@@ -77,10 +77,16 @@ long RejectGnssOutliers(AdjustmentRun& run) {
 
 }  // namespace
 
-EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options) {
+EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options,
+                                     PairOutliers outliers) {
   EvidenceAdjustment out;
   AdjustOptions own = options;
   own.stages = DefaultStages(options.with_pairs);
+  if (options.with_pairs && outliers == PairOutliers::kNotThere) {
+    for (const char* name : {"lidar, robust", "pair rejection"}) {
+      own.stages.erase(FindStage(name, &own.stages));
+    }
+  }
   FindStage("GNSS screening", &own.stages)->run = [&](AdjustmentRun& run) {
     out.gnss_left_out = RejectGnssOutliers(run);
   };

@@ -12,7 +12,14 @@ struct EvidenceAdjustment {
   long gnss_left_out = 0;  ///< isolated epochs
 };
 
+/// Treatment of outliers among the pairs.
+enum class PairOutliers {
+  kReject,   ///< a robust adjustment finds and rejects them
+  kNotThere  ///< none are searched for, which saves half of the time
+};
+
 /// Adjusts a flight this way. Ignores `options.stages`. Throws as Adjust.
-EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options);
+EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options,
+                                     PairOutliers outliers = PairOutliers::kReject);
 
 }  // namespace dn::diagnosis_internal

@@ -94,7 +94,7 @@ HeldOutGains SumFolds(const std::vector<FoldLogDensities>& folds, std::size_t ca
     gains.gain_nats += (*fold.after)[0] - (*fold.before)[0];
     const Eigen::VectorXd of_fold = fold.after->tail(fold.after->size() - 1);
     further = further.size() == 0 ? of_fold : Eigen::VectorXd(further + of_fold);
-    for (std::size_t k = 0; k < causes; ++k) {
+    for (std::size_t k = 0; k < fold.but_one.size(); ++k) {
       if (!fold.but_one[k]) continue;
       const double gain = (*fold.after)[0] - (*fold.but_one[k])[0];
       gains.cause_gains[k] = gains.cause_gains[k].value_or(0.0) + gain;
@@ -153,8 +153,11 @@ HeldOutGains MeasureHeldOut(const NetworkFit& without, const NetworkFit& with,
   const std::vector<CommonFold> folds =
       CommonFolds(without.solution->network(), network, options.num_per_kind);
   std::vector<std::optional<Network>> but_one;
-  for (const HypothesisEvidence& effect : with.chosen) {
-    but_one.push_back(WithoutCause(network, effect.name));
+  // Without the only effect, the network is the one before.
+  if (with.chosen.size() > 1) {
+    for (const HypothesisEvidence& effect : with.chosen) {
+      but_one.push_back(WithoutCause(network, effect.name));
+    }
   }
   std::vector<std::optional<FoldDensity>> densities_but_one(but_one.size());
   for (std::size_t k = 0; k < but_one.size(); ++k) {

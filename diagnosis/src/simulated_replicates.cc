@@ -1,6 +1,7 @@
 #include "simulated_replicates.h"
 
 #include <dn/diagnosis/solution.h>
+#include <dn/effects/effect_table.h>
 #include <dn/interrupted.h>
 #include <dn/parallel.h>
 #include <dn/sim/random.h>
@@ -26,11 +27,19 @@ constexpr int kPermutations = 999;
 // elsewhere on ground of another shape.
 constexpr double kOtherGround = 0.25;
 
-NamedStatistics ComputeStatistics(const Flight& flight, const std::function<bool()>& interrupted) {
+bool HasOutliers(const Scenario& scenario) {
+  const auto& effects = scenario.effects;
+  return std::any_of(effects.begin(), effects.end(), [](const Effect& effect) {
+    return effect.name == EffectRow(EffectId::kP2pOutliers).name;
+  });
+}
+
+NamedStatistics ComputeStatistics(const Flight& flight, PairOutliers outliers,
+                                  const std::function<bool()>& interrupted) {
   AdjustOptions options;
   options.with_pairs = flight.pairs.has_value();
   options.interrupted = interrupted;
-  const Solution solution(std::move(AdjustForEvidence(flight, options).adjustment));
+  const Solution solution(std::move(AdjustForEvidence(flight, options, outliers).adjustment));
   const Locations locations(solution.network(), solution.linearized(),
                             RedundancyNumbers(solution.marginals()));
   return Comparable(locations.statistics(), locations.Evaluate(solution.linearized().residual()));
@@ -154,6 +163,8 @@ NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
 std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scenario& scenario,
                                                 const Trajectory& replayed,
                                                 const SimulatedReplicateOptions& options) {
+  const PairOutliers outliers =
+      HasOutliers(scenario) ? PairOutliers::kReject : PairOutliers::kNotThere;
   std::vector<NamedStatistics> all(static_cast<std::size_t>(options.count));
   ParallelFor(options.count, options.threads, [&](int k) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
@@ -163,7 +174,8 @@ std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scen
     Flight replicate = Simulate(scenario, simulate).flight;
     CopyAssumptions(flight.config, &replicate.config);
     try {
-      all[static_cast<std::size_t>(k)] = ComputeStatistics(replicate, options.interrupted);
+      all[static_cast<std::size_t>(k)] =
+          ComputeStatistics(replicate, outliers, options.interrupted);
     } catch (const NotConverged&) {
       return;
     } catch (const InvalidInput&) {
