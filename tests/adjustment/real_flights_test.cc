@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 // The GNSS messages of this drone have a delay of a quarter of a second, and its inertial noise is
 // a guess. No clock steps.
-TEST(RealFlights, ADelayOfGnssMessagesIsNoStepOfAClock) {
+TEST(RealFlightsManyRuns, ADelayOfGnssMessagesIsNoStepOfAClock) {
   const fs::path folder = fs::path(DN_SHARED_DATA_DIR) / "data/inertialnav-testlog2";
   if (!fs::exists(folder)) GTEST_SKIP() << "no real data in " << folder;
   for (const char* span : {"[100, 400]", "[250, 620]"}) {

@@ -64,7 +64,7 @@ double LogEvidence(const NetworkFit& fit, const std::string& name) {
   return at == fit.effects.end() ? 0.0 : at->log_evidence;
 }
 
-TEST(InertialNoise, ShakingIsMotionAndNoNoise) {
+TEST(InertialNoiseManyRuns, ShakingIsMotionAndNoNoise) {
   for (const std::string& preset : VibrationPresetNames()) {
     SCOPED_TRACE(preset);
     const Flight flight = Shaken(*VibrationPreset(preset));
