@@ -53,21 +53,25 @@ void LidarPointBlocks::AppendEffectKinds(std::vector<BlockKind>* kinds) const {
 }
 
 LidarPointBetweenNodes::LidarPointBetweenNodes(const LocalFrame& frame, const LidarEnd& end,
-                                               std::size_t node, std::size_t node_after)
+                                               const MountingBlocks& mounting, std::size_t node,
+                                               std::size_t node_after)
     : point_(frame, end.partial, end.p_nominal_m),
       tag_s_(end.tag_s),
       t_end_s_(end.partial.t_end_s),
       u_s_(end.u_s),
       J_increments_(end.partial.J_effects),
       bridge_(end.bridge),
+      mounting_(mounting),
       node_(node),
-      node_after_(node_after) {}
+      node_after_(node_after),
+      scanner_(end.scanner) {}
 
 LidarPointBetweenNodes::State LidarPointBetweenNodes::At(const LidarPointBlocks& blocks,
                                                          double const* const* x) const {
   State at;
-  at.reading = Corrected(blocks.lidar, x + blocks.first_effect, tag_s_, u_s_);
-  at.theta = Log(Eigen::Quaterniond(x[blocks.mounting])) + at.reading.turn_b_rad;
+  at.reading = Corrected(blocks.lidar, x + blocks.first_effect, tag_s_, u_s_, scanner_);
+  double const* const* mounting = x + mounting_.first;
+  at.theta = Log(Eigen::Quaterniond(mounting[0])) + at.reading.turn_b_rad;
   const VectorXd change = ImuChange(blocks, J_increments_.cols(), x);
   Eigen::Matrix<double, 9, 1> moved = Eigen::Matrix<double, 9, 1>::Zero();
   if (change.size() > 0) moved = J_increments_ * change;
@@ -84,9 +88,9 @@ LidarPointBetweenNodes::State LidarPointBetweenNodes::At(const LidarPointBlocks&
                   Vec3(node[1]),
                   Vec3(node[2]),
                   Exp(at.theta),
-                  Vec3(x[blocks.mounting + 1]) + at.reading.arm_b_m,
-                  blocks.R_bs_nominal * at.reading.u_s,
-                  x[blocks.mounting + 2][0] + at.reading.delay_s - (tag_s_ - t_end_s_)};
+                  Vec3(mounting[1]) + at.reading.arm_b_m,
+                  mounting_.R_bs_nominal * at.reading.u_s,
+                  mounting[2][0] + at.reading.delay_s - (tag_s_ - t_end_s_)};
   return at;
 }
 
@@ -114,7 +118,7 @@ void LidarPointBetweenNodes::AddEffects(const LidarPointBlocks& blocks, const St
                                         const PointSensitivity& point, Matrix3Xd* sum) const {
   const Matrix3Xd* whole = bridge_ ? &bridge_->J_q_effects() : nullptr;
   AddEffectJacobians(point, {at.reading, J_increments_, whole, blocks.attraction},
-                     blocks.R_bs_nominal, *sum);
+                     mounting_.R_bs_nominal, *sum);
 }
 
 namespace factors_internal {

@@ -21,9 +21,8 @@ std::size_t BridgeBlock(const PreparedControl& control) {
 
 LidarPointBlocks MakeBlocks(const PreparedControl& control, LidarEffects lidar,
                             std::vector<GravitationBasis> attraction) {
-  return {kControlMounting,      BridgeBlock(control) + (control.end.bridge ? 1 : 0),
-          std::move(lidar),      control.end.partial.linearisation.effects,
-          std::move(attraction), control.R_bs_nominal};
+  return {BridgeBlock(control) + (control.end.bridge ? 1 : 0), std::move(lidar),
+          control.end.partial.linearisation.effects, std::move(attraction)};
 }
 
 std::vector<BlockKind> Kinds(const PreparedControl& control, const LidarPointBlocks& blocks) {
@@ -65,7 +64,7 @@ PointToControl::PointToControl(const LocalFrame& frame, const PreparedControl& c
                                LidarPointBlocks blocks)
     : DynamicFactor(static_cast<int>(control.sqrt_information.rows()), Kinds(control, blocks)),
       blocks_(std::move(blocks)),
-      end_(frame, control.end, 0, BridgeBlock(control)),
+      end_(frame, control.end, {kControlMounting, control.R_bs_nominal}, 0, BridgeBlock(control)),
       z_m_(control.z_m),
       directions_(control.directions),
       W_(control.sqrt_information),

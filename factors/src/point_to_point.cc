@@ -14,6 +14,9 @@ PointToPoint::PointToPoint(const LocalFrame& frame, const PreparedPair& pair)
     throw InvalidInput("point pair: the nominal time offset is not finite");
   }
   factors_internal::CheckPreparedPair(pair);
+  if (pair.R_bs_nominal_j) {
+    throw InvalidInput("point pair: the ends of two scanners need the blocks of both mountings");
+  }
   if (pair.i.bridge || pair.j.bridge) {
     throw InvalidInput("point pair: an end with a bridge needs the blocks of the node after it");
   }

@@ -9,26 +9,35 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr std::size_t kPairBlocks = 9;
 constexpr std::size_t kNodeBlocks = 3;
 constexpr std::size_t kMountingBlock = 6;
+constexpr std::size_t kBlocksOfMounting = 3;
 
 std::size_t CountBridges(const PreparedPair& pair) {
   return (pair.i.bridge ? 1U : 0U) + (pair.j.bridge ? 1U : 0U);
 }
 
-LidarPointBlocks MakeBlocks(const PreparedPair& pair, LidarEffects lidar,
-                            std::vector<GravitationBasis> attraction) {
-  return {kMountingBlock,        kPairBlocks + CountBridges(pair),
-          std::move(lidar),      pair.i.partial.linearisation.effects,
-          std::move(attraction), pair.R_bs_nominal};
+/// Returns the number of blocks of nodes and scanners; the others come after them.
+std::size_t CountPairBlocks(const PreparedPair& pair) {
+  return kMountingBlock + (pair.R_bs_nominal_j ? 2 : 1) * kBlocksOfMounting;
 }
 
-std::vector<BlockKind> Kinds(std::size_t bridges, const LidarPointBlocks& blocks) {
+LidarPointBlocks MakeBlocks(const PreparedPair& pair, LidarEffects lidar,
+                            std::vector<GravitationBasis> attraction) {
+  return {CountPairBlocks(pair) + CountBridges(pair), std::move(lidar),
+          pair.i.partial.linearisation.effects, std::move(attraction)};
+}
+
+std::vector<BlockKind> Kinds(const PreparedPair& pair, const LidarPointBlocks& blocks) {
   std::vector<BlockKind> kinds{Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind};
-  kinds.insert(kinds.end(), bridges, Rotation::kKind);
+  if (pair.R_bs_nominal_j) {
+    for (const BlockKind& kind : {LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind}) {
+      kinds.push_back(kind);
+    }
+  }
+  kinds.insert(kinds.end(), CountBridges(pair), Rotation::kKind);
   blocks.AppendEffectKinds(&kinds);
   return kinds;
 }
@@ -49,7 +58,7 @@ PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame,
 PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame,
                                                    const PreparedPair& pair,
                                                    LidarPointBlocks blocks)
-    : DynamicFactor(3, Kinds(CountBridges(pair), blocks)),
+    : DynamicFactor(3, Kinds(pair, blocks)),
       blocks_(std::move(blocks)),
       W_(pair.noise_m.sqrt_information()) {
   factors_internal::CheckPreparedPair(pair);
@@ -57,8 +66,23 @@ PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame,
     throw InvalidInput(
         "point pair: the increments of its two ends have different inertial effects");
   }
-  i_ = LidarPointBetweenNodes(frame, pair.i, 0, kPairBlocks);
-  j_ = LidarPointBetweenNodes(frame, pair.j, kNodeBlocks, kPairBlocks + (pair.i.bridge ? 1 : 0));
+  const std::size_t after = CountPairBlocks(pair);
+  const MountingBlocks first{kMountingBlock, pair.R_bs_nominal};
+  MountingBlocks second = first;
+  if (pair.R_bs_nominal_j) second = {kMountingBlock + kBlocksOfMounting, *pair.R_bs_nominal_j};
+  i_ = LidarPointBetweenNodes(frame, pair.i, first, 0, after);
+  j_ = LidarPointBetweenNodes(frame, pair.j, second, kNodeBlocks, after + (pair.i.bridge ? 1 : 0));
+}
+
+void PointToPointBetweenNodes::PutMounting(const LidarPointBetweenNodes& end,
+                                           const LidarPointBetweenNodes::State& at,
+                                           const LidarPoint::Derivatives& of, const Matrix3d& W,
+                                           double const* const* x, double** J) const {
+  const auto first = static_cast<int>(end.mounting());
+  Put(first, x, J,
+      Matrix3d(W * of.theta * factors_internal::FromBoresightBlock(at.theta, x[end.mounting()])));
+  Put(first + 1, x, J, Matrix3d(W * of.a_b));
+  Put(first + 2, x, J, Vector3d(-W * of.rate));
 }
 
 bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, double** J) const {
@@ -86,13 +110,18 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
   Put(3, x, J, J_q_j);
   Put(4, x, J, Matrix3d(-W_ * j.p));
   Put(5, x, J, Matrix3d(-W_ * j.v));
-  const auto left_jacobian = [](const Vector3d& phi) { return RightJacobian(Vector3d(-phi)); };
-  const Matrix3d from_block = left_jacobian(Log(Eigen::Quaterniond(x[kMountingBlock]))).inverse();
-  Put(6, x, J,
-      Matrix3d(W_ * (i.theta * left_jacobian(at_i.theta) - j.theta * left_jacobian(at_j.theta)) *
-               from_block));
-  Put(7, x, J, Matrix3d(W_ * (i.a_b - j.a_b)));
-  Put(8, x, J, Vector3d(-W_ * (i.rate - j.rate)));
+  if (i_.mounting() == j_.mounting()) {
+    const auto left_jacobian = [](const Vector3d& phi) { return RightJacobian(Vector3d(-phi)); };
+    const Matrix3d from_block = left_jacobian(Log(Eigen::Quaterniond(x[kMountingBlock]))).inverse();
+    Put(6, x, J,
+        Matrix3d(W_ * (i.theta * left_jacobian(at_i.theta) - j.theta * left_jacobian(at_j.theta)) *
+                 from_block));
+    Put(7, x, J, Matrix3d(W_ * (i.a_b - j.a_b)));
+    Put(8, x, J, Vector3d(-W_ * (i.rate - j.rate)));
+  } else {
+    PutMounting(i_, at_i, i, W_, x, J);
+    PutMounting(j_, at_j, j, -W_, x, J);
+  }
   if (blocks_.num_effects() == 0) return true;
 
   Matrix3Xd J_r_c = Matrix3Xd::Zero(3, blocks_.NumEffectValues());

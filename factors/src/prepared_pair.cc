@@ -42,6 +42,7 @@ void CheckMounting(const char* what, const Eigen::Matrix3d& R_bs) {
 
 void CheckPreparedPair(const PreparedPair& pair) {
   CheckMounting("point pair", pair.R_bs_nominal);
+  if (pair.R_bs_nominal_j) CheckMounting("point pair", *pair.R_bs_nominal_j);
   CheckEnd("point pair", pair.i);
   CheckEnd("point pair", pair.j);
 }

@@ -16,21 +16,16 @@
 
 namespace dn {
 
-/// The blocks of a factor on lidar points that do not belong to a node.
+/// The blocks of a factor on lidar points that belong neither to a node nor to a scanner.
 ///
 ///   block             | symbol      | meaning
 ///   ------------------|-------------|-----------------------------------------------------
-///   mounting          | q_boresight | Exp(theta), left of R_bs_nominal, about the body axes
-///   mounting + 1      | a_b         | lidar lever arm in body, m
-///   mounting + 2      | dt          | time offset of the lidar tags, s
 ///   first_effect ...  | c, e, g     | effects of the lidar, of the increments, on gravitation, SI
 struct LidarPointBlocks {
-  std::size_t mounting = 0;
   std::size_t first_effect = 0;
   LidarEffects lidar;
   ImuEffectValues imu;  ///< values at the linearisation of the increments
   std::vector<GravitationBasis> attraction;
-  Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();
 
   std::size_t first_imu() const { return first_effect + lidar.size(); }
   std::size_t first_attraction() const { return first_imu() + imu.size(); }
@@ -39,6 +34,18 @@ struct LidarPointBlocks {
   Eigen::Index NumEffectValues() const;
   /// Appends the kinds of the effect blocks.
   void AppendEffectKinds(std::vector<BlockKind>* kinds) const;
+};
+
+/// The blocks of the scanner of a lidar point.
+///
+///   block      | symbol      | meaning
+///   -----------|-------------|-----------------------------------------------------
+///   first      | q_boresight | Exp(theta), left of R_bs_nominal, about the body axes
+///   first + 1  | a_b         | lidar lever arm in body, m
+///   first + 2  | dt          | time offset of the lidar tags, s
+struct MountingBlocks {
+  std::size_t first = 0;
+  Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();
 };
 
 /// A LidarPoint with the corrections of all calibration values, and with its increments
@@ -52,8 +59,8 @@ class LidarPointBetweenNodes {
   LidarPointBetweenNodes() = default;
   /// `node` is the index of the first of the three blocks of the node (q_mb, p_mb, v_m), and
   /// `node_after` that of the attitude of the node after the epoch, which only a bridge uses.
-  LidarPointBetweenNodes(const LocalFrame& frame, const LidarEnd& end, std::size_t node,
-                         std::size_t node_after);
+  LidarPointBetweenNodes(const LocalFrame& frame, const LidarEnd& end,
+                         const MountingBlocks& mounting, std::size_t node, std::size_t node_after);
 
   /// The point at given values of the blocks.
   struct State {
@@ -72,6 +79,8 @@ class LidarPointBetweenNodes {
 
   bool has_bridge() const { return bridge_ != nullptr; }
   std::size_t node_after() const { return node_after_; }
+  /// Returns the index of the first block of the mounting.
+  std::size_t mounting() const { return mounting_.first; }
 
   /// Returns the Jacobians of W times the point; `of` are the derivatives of at.point.
   PointSensitivity Sensitivity(const State& at, const LidarPoint::Derivatives& of,
@@ -87,7 +96,9 @@ class LidarPointBetweenNodes {
   Eigen::Vector3d u_s_ = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 9, Eigen::Dynamic> J_increments_;
   std::shared_ptr<const IncrementConditioning> bridge_;
+  MountingBlocks mounting_;
   std::size_t node_ = 0, node_after_ = 0;
+  int scanner_ = 0;
 };
 
 namespace factors_internal {

@@ -63,7 +63,7 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
  public:
   /// Throws InvalidInput if a laser vector is zero, or if it, a nominal position, the mounting
   /// matrix or the offset is not finite. Also throws if the mounting matrix is not a rotation
-  /// (1e-6), or if an end has a bridge.
+  /// (1e-6), or if an end has a bridge or another scanner.
   PointToPoint(const LocalFrame& frame, const PreparedPair& pair);
 
   template <class T>

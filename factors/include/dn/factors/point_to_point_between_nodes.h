@@ -22,7 +22,8 @@ namespace dn {
 ///
 ///   block  | symbol | stored | tangent | meaning
 ///   -------|--------|--------|---------|----------------------------------------------------------
-///    0 - 8 |        |        |         | as in PointToPoint
+///    0 - 8 |        |        |         | as in PointToPoint; 6 - 8 are of the scanner of end i
+///    then  |        |        |         | the same three of the scanner of end j, if it is another
 ///    then  | q_mb   |   4    |    3    | attitude of the node after i, if i has a bridge
 ///    then  | q_mb   |   4    |    3    | attitude of the node after j, if j has a bridge
 ///    then  | c      |   n    |    n    | one per effect of the lidar, SI
@@ -50,6 +51,11 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   const LidarPointBetweenNodes& Point(PointPairFactor::End end) const {
     return end == PointPairFactor::End::kI ? i_ : j_;
   }
+
+  /// Writes the Jacobians of W times the point of an end with respect to its mounting.
+  void PutMounting(const LidarPointBetweenNodes& end, const LidarPointBetweenNodes::State& at,
+                   const LidarPoint::Derivatives& of, const Eigen::Matrix3d& W,
+                   double const* const* x, double** J) const;
 
   LidarPointBlocks blocks_;
   Eigen::Matrix3d W_;

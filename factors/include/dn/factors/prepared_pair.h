@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 
 namespace dn {
 
@@ -20,6 +21,7 @@ struct LidarEnd {
   Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();
   /// Conditions the increments on the attitude of the node after the epoch; null: unconditioned.
   std::shared_ptr<const IncrementConditioning> bridge = {};
+  int scanner = 0;  ///< index of the scanner, see LidarReading
 };
 
 /// A point pair prepared for its factor: both ends attached to their nodes.
@@ -30,6 +32,9 @@ struct PreparedPair {
   /// Noise of the difference of the two points, map axes: the noise of the pair and of its partial
   /// increments (EndNoise).
   Noise<3> noise_m;
+  /// Mounting matrix of the scanner of end j if it is another one than that of end i. The factor
+  /// then has the blocks of the mountings of both.
+  std::optional<Eigen::Matrix3d> R_bs_nominal_j = {};
 };
 
 /// Returns the covariance (m^2, map axes) that the white noise of the partial increments adds to

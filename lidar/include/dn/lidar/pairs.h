@@ -21,6 +21,9 @@ struct LidarPair {
   std::optional<Eigen::Matrix3d> covariance_m2;
   int file = 0;   ///< index into PairData::files (one file per strip pair)
   long line = 0;  ///< line of that file, from 1; 0: the pair does not come from a file
+  /// Scanners that measured the two ends; indices into the scanners of the flight.
+  int scanner_i = 0;
+  int scanner_j = 0;
 };
 
 /// Point pairs of a flight and the files that contain them.
