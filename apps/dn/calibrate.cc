@@ -4,6 +4,7 @@
 #include <dn/axis_names.h>
 #include <dn/diagnosis/control_output.h>
 #include <dn/files/pair_clock.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/files/truth.h>
 #include <dn/names.h>
@@ -46,7 +47,7 @@ void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
 
 void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
                  const std::string& method) {
-  const auto truth_deg = ReadTrueBoresightDeg(config.folder);
+  const auto truth_deg = ReadTrueBoresightDeg(config.folder, config.lidar->name);
   const Eigen::Vector3d angles_deg = boresight.angles_rad * kDegPerRad;
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
   fmt::print("boresight of flight {}{} [deg], rotation vector about the body axes\n", config.name,
@@ -288,6 +289,14 @@ struct NetworkRun {
   std::vector<UnknownEstimate> unknowns;
   PoseInterpolator poses;  ///< poses of the adjusted trajectory
   std::vector<PairResidual> pairs;
+  ScannerMountings mountings;  ///< of several scanners
+
+  /// Returns the boresights of all scanners.
+  std::vector<const BoresightResult*> Boresights() const {
+    std::vector<const BoresightResult*> all{&boresight};
+    for (const ScannerBoresight& scanner : mountings.scanners) all.push_back(&scanner.boresight);
+    return all;
+  }
 };
 
 NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
@@ -295,8 +304,11 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   PoseInterpolator poses(
       Trajectory(std::move(flight_run->modelled)).ToMapPoses(flight_run->flight.frame));
   std::vector<PairResidual> pairs = PairResiduals(solution.network(), poses);
-  return {std::move(flight_run), solution.CheckedBoresight(), solution.CheckedUnknowns(),
-          std::move(poses), std::move(pairs)};
+  NetworkRun out{
+      nullptr,          solution.CheckedBoresight(), solution.CheckedUnknowns(), std::move(poses),
+      std::move(pairs), solution.CheckedMountings()};
+  out.flight_run = std::move(flight_run);
+  return out;
 }
 
 /// Stages the swaths of the pairs, unless swaths of matched point clouds are staged: those show
@@ -318,10 +330,12 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
       CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
                       flight_run.solution->trajectory(), flight_run.solution->model_check(),
                       network.boresight, network.unknowns, network.pairs, flight_run.timings);
+  AddScannersJson(network.mountings, &json);
   if (flight_run.noise) json["noise"] = NoiseJson(*flight_run.noise);
   const std::string result = FormatJson(json);
   run->AddFile("result" + suffix + ".json", result);
   if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use
+  if (!network.mountings.scanners.empty()) return FillReport(flight_run, run);
   ReducedFlight reduced = ReduceFlight(*flight_run.solution, network.boresight);
   SetIdentity(ReadFlightConfig(options.flight, options.common.changes), options.common.changes,
               &reduced);
@@ -360,11 +374,12 @@ void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run
   const NetworkRun network = CalibrateByNetwork(AdjustFlight(config, true, &run));
   AddNetworkFiles(network, options, "", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
+  fmt::print("{}", ScannersSummary(network.mountings));
   if (options.georef) {
     AddNewStrips(network.flight_run->flight.config, network.boresight,
                  &network.flight_run->trajectory, &run);
   }
-  FailUnlessReliable({&network.boresight});
+  FailUnlessReliable(network.Boresights());
 }
 
 Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double* read_s,
@@ -565,9 +580,13 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
   const FlightConfig config =
       WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
+  if (methods.gh || methods.planes) {
+    ExpectOneScanner(config, "--method " + (options.method.empty() ? "gh" : options.method));
+  }
   if (options.georef) {
+    ExpectOneScanner(config, "--georef");
     ExpectGeoreferenceable(config);
-    RequireStripFiles(config.folder);
+    RequireStripFiles(config);
   }
   if ((methods.dn || methods.gh) && HasStripsAlone(config)) {
     CalibrateStrips(
@@ -593,6 +612,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
                   "earlier calibrations")
       ->required();
   AddChanges(app, "flight.yaml", "gnss.sigma_scale=2", &options->common);
+  AddScanner(app, &options->common);
   AddUnmodelled(app, &options->common);
   AddFleetOptions(app, &options->fleet);
   app->add_option(

@@ -4,6 +4,7 @@
 #include <dn/error.h>
 #include <dn/files/across.h>
 #include <dn/files/flight_config.h>
+#include <dn/files/scanners.h>
 #include <dn/fleet/fleet.h>
 #include <dn/fleet/reduced_flight.h>
 #include <dn/interrupted.h>
@@ -84,6 +85,7 @@ void ExpectSections(const FlightConfig& config) {
   expect(config.imu.has_value(), "imu");
   expect(config.gnss.has_value(), "gnss");
   expect(config.lidar.has_value(), "lidar");
+  ExpectOneScanner(config, "a calibration of several flights");
 }
 
 class FleetRun {

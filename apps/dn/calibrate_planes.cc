@@ -11,7 +11,7 @@
 namespace dn::apps {
 
 std::string WhyNoPlanes(const FlightConfig& config) {
-  if (FindStripFiles(config.folder).empty()) return "the flight has no strips";
+  if (FindStripFiles(config).empty()) return "the flight has no strips";
   if (config.strips_crs == "none") return "strips_crs is 'none': such points have no trajectory";
   return {};
 }

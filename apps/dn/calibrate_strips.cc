@@ -1,6 +1,7 @@
 #include "calibrate_strips.h"
 
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/lidar/pairs.h>
 
@@ -28,8 +29,8 @@ bool HasPairs(const FlightConfig& config) {
 }  // namespace
 
 bool HasStripsAlone(const FlightConfig& config) {
-  return config.lidar && config.strips_crs != "none" && !HasPairs(config) &&
-         !FindStripFiles(config.folder).empty();
+  return NumScanners(config) == 1 && config.strips_crs != "none" && !HasPairs(config) &&
+         !FindStripFiles(config).empty();
 }
 
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,

@@ -365,7 +365,7 @@ void Summarise(const Flight& flight, Json* json) {
                flight.trajectory->points().size(), flight.trajectory->t_begin_s(),
                flight.trajectory->t_end_s());
   }
-  const std::vector<fs::path> strips = FindStripFiles(flight.config.folder);
+  const std::vector<fs::path> strips = FindStripFiles(flight.config);
   if (!strips.empty()) SummariseStrips(strips, flight.config, json);
   PrintHints(flight, agreement, json);
   for (const auto& [reason, count] : flight.counts) {

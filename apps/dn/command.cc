@@ -287,6 +287,15 @@ void AddChanges(CLI::App* app, const std::string& of, const std::string& example
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options) {
   app->add_option("FLIGHT", *flight, "Flight folder or YAML file of a flight")->required();
   AddChanges(app, "flight.yaml", "gnss.sigma_scale=2", options);
+  AddScanner(app, options);
+}
+
+void AddScanner(CLI::App* app, CommonOptions* options) {
+  app->add_option_function<std::string>(
+         "--scanner",
+         [options](const std::string& name) { options->changes.push_back("scanner=" + name); },
+         "Name of the scanner to use, if flight.yaml lists several under lidar")
+      ->expected(1);
 }
 
 void AddUnmodelled(CLI::App* app, CommonOptions* options) {

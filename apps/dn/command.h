@@ -119,6 +119,8 @@ void AddChanges(CLI::App* app, const std::string& of, const std::string& example
 
 /// Adds the argument FLIGHT and --set.
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options);
+/// Adds --scanner, which selects one scanner of flight.yaml as --set scanner=NAME does.
+void AddScanner(CLI::App* app, CommonOptions* options);
 /// Adds --unmodelled, which replaces the section of flight.yaml as --set does.
 void AddUnmodelled(CLI::App* app, CommonOptions* options);
 

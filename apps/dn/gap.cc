@@ -2,6 +2,7 @@
 #include <dn/diagnosis/diagnose.h>
 #include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/replicate_scenario.h>
+#include <dn/files/scanners.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -61,6 +62,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
 Flight Read(const GapArguments& options, Run* run) {
   run->progress().Stage("reading " + options.flight);
   const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
+  ExpectOneScanner(config, "dn gap");
   FlightNeeds needs;
   needs.imu = needs.gnss = config.imu.has_value() && config.gnss.has_value();
   needs.trajectory = !needs.imu || options.limits;

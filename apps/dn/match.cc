@@ -120,6 +120,7 @@ void AddMatch(CLI::App* program, Action* action) {
                   "Flight folder with strips/, YAML file of a flight, or at least two strips "
                   "(.las, .laz, .txt) without a trajectory")
       ->required();
+  AddScanner(app, &command->common);
   app->add_option("--trajectory", command->trajectory,
                   "Trajectory (SBET .out or text). Default: that of the flight, else smoothed from "
                   "its inertial and GNSS data");

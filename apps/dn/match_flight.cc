@@ -3,6 +3,7 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/error.h>
 #include <dn/files/flight.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/matching/match_output.h>
@@ -22,6 +23,7 @@ void ExpectMatchable(const FlightConfig& config) {
   if (!config.lidar) {
     throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
   }
+  ExpectOneScanner(config, "matching");
   if (config.strips_crs == "none") {
     throw InvalidConfig(
         "strips_crs is 'none': such points have no trajectory; match their files alone with "
@@ -135,7 +137,7 @@ MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajector
                                const PointFilter& filter, Run& run) {
   ExpectMatchable(config);
   run.ReadsStrips();
-  const std::vector<fs::path> files = RequireStripFiles(config.folder);
+  const std::vector<fs::path> files = RequireStripFiles(config);
   const StripGeoreferencing made_with = StripsGeoreferencing(config);
   MatchedFlight matched;
   matched.origin = CheckStrips(files, config.strips_crs, made_with, run);

@@ -3,6 +3,7 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/interrupted.h>
 #include <dn/names.h>
@@ -114,6 +115,7 @@ void ExpectGeoreferenceable(const FlightConfig& config) {
   if (!config.lidar) {
     throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
   }
+  ExpectOneScanner(config, "georeferencing");
   if (config.strips_crs == "none") {
     throw InvalidConfig(
         "strips_crs is 'none': points in an unknown system cannot be georeferenced; write map, "
@@ -135,7 +137,7 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
 void GeoreferenceStrips(NewStrips work, Run& run) {
   run.ReadsStrips();
   const FlightConfig& config = work.config;
-  const std::vector<fs::path> files = RequireStripFiles(config.folder);
+  const std::vector<fs::path> files = RequireStripFiles(config);
   const Vector3d boresight_rad = work.options.mounting.boresight_rad;
   if (files.size() > 1) work.options.surface_cell_m = SurfaceCell(*config.lidar);
   const PointCrs crs(config.strips_crs, work.frame);

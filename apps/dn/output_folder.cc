@@ -4,6 +4,7 @@
 #include <dn/files/accuracy_files.h>
 #include <dn/files/atomic_file.h>
 #include <dn/files/flight.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/read_file.h>
 #include <dn/names.h>
@@ -73,12 +74,27 @@ void AddCircularLinks(const fs::path& flight_folder, Inputs* inputs) {
   std::sort(inputs->circular_links.begin(), inputs->circular_links.end());
 }
 
+/// Adds the folders of the scanners of a list.
+void AddScannerFolders(const FlightConfig& config, Inputs* inputs) {
+  for (const std::string& name : ScannerNames(config)) {
+    if (name.empty()) continue;
+    inputs->folders.push_back(config.folder / ("lidar_" + name));
+    inputs->folders.push_back(config.folder / ("strips_" + name));
+  }
+}
+
+void AddPairFiles(const fs::path& folder, const std::vector<std::string>& patterns,
+                  Inputs* inputs) {
+  for (const fs::path& file : FindPairFiles(folder, patterns)) AddData(file, inputs);
+}
+
 void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>& changes,
                   Inputs* inputs) {
   try {
     const FlightConfig config = ReadFlightConfig(folder_or_file, changes);
     const fs::path& folder = config.folder;
     AddFolder(folder, inputs);
+    AddScannerFolders(config, inputs);
     inputs->files.push_back(config.file);
     if (config.imu) AddData(folder / config.imu->file, inputs);
     if (config.gnss) AddData(folder / config.gnss->file, inputs);
@@ -87,11 +103,16 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
       const ControlConfig control = config.control.value_or(ControlConfig());
       for (const fs::path& file : FindPairFiles(folder, control.files)) AddData(file, inputs);
     }
-    inputs->strips = FindStripFiles(folder);
+    inputs->strips = FindStripFiles(config);
     AddCircularLinks(folder, inputs);
     if (config.trajectory) AddAccuracy(config, inputs);
     if (!config.lidar) return;
-    for (const fs::path& file : FindPairFiles(folder, config.lidar->p2p)) AddData(file, inputs);
+    for (std::size_t k = 0; k < NumScanners(config); ++k) {
+      AddPairFiles(folder, ScannerAt(config, k).p2p, inputs);
+    }
+    for (const PairsBetween& between : config.pairs_between) {
+      AddPairFiles(folder, between.p2p, inputs);
+    }
   } catch (const std::exception&) {
     return;  // the command will say what is wrong
   }

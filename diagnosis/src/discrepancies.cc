@@ -5,6 +5,7 @@
 #include <dn/factors/gnss_antenna.h>
 #include <dn/factors/lidar_effect.h>
 #include <dn/files/scan_angle.h>
+#include <dn/files/scanners.h>
 #include <dn/geo/nearest_pose.h>
 
 #include <algorithm>
@@ -114,12 +115,20 @@ Hypothesis LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& rang
                               });
 }
 
-Hypothesis LaserByScanAngle(const FlightNetwork& network) {
-  const LidarConfig& lidar = *network.flight().config.lidar;
-  return LaserByScanAngle(lidar,
-                          FindRange(lidar, network.pairs().edges(), [](const PairEdge& edge) {
-                            return std::array{edge.pair.u_i_s, edge.pair.u_j_s};
-                          }));
+Hypothesis LaserByScanAngle(const FlightNetwork& network, std::size_t scanner) {
+  const FlightConfig& config = network.flight().config;
+  const LidarConfig& lidar = ScannerAt(config, scanner);
+  const auto vectors = [k = static_cast<int>(scanner)](const PairEdge& edge) {
+    std::vector<Vector3d> own;
+    if (edge.pair.scanner_i == k) own.push_back(edge.pair.u_i_s);
+    if (edge.pair.scanner_j == k) own.push_back(edge.pair.u_j_s);
+    return own;
+  };
+  Hypothesis laser = LaserByScanAngle(lidar, FindRange(lidar, network.pairs().edges(), vectors));
+  if (NumScanners(config) < 2) return laser;
+  laser.name += " of scanner " + lidar.name;
+  laser.action = OnScanner(std::move(laser.action), scanner);
+  return laser;
 }
 
 Hypothesis LaserByStrip(const std::vector<StripInterval>& strips) {

@@ -30,8 +30,8 @@ ScanAngleRange FindScanAngleRange(const LidarConfig& lidar, const std::vector<Pa
 /// a sum of Gaussian bumps at equal steps over the range, with three components each (sensor axes,
 /// m).
 Hypothesis LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range);
-/// Returns that discrepancy for the scan angles of the network's pairs.
-Hypothesis LaserByScanAngle(const FlightNetwork& network);
+/// Returns that discrepancy of one scanner, for the scan angles of its ends of the network's pairs.
+Hypothesis LaserByScanAngle(const FlightNetwork& network, std::size_t scanner);
 
 /// Returns an offset of laser vectors that is constant in each strip, with three components each
 /// (sensor axes, m).

@@ -1,5 +1,7 @@
 #include "hypothesis.h"
 
+#include <dn/files/scanners.h>
+
 #include <utility>
 
 namespace dn::diagnosis_internal {
@@ -42,9 +44,12 @@ Hypothesis MakeHypothesis(EffectId id, std::size_t block) {
 
 Hypothesis MakeHypothesis(const EstimableEffect& effect, const EffectSite& site) {
   Hypothesis hypothesis = MakeHypothesis(effect.id);
+  if (EffectRow(effect.id).sensor == EffectSensor::kLidar) {
+    hypothesis.name = ScannerName(site.flight.config, hypothesis.name, site.scanner);
+  }
   hypothesis.remedy = effect.remedy;
   hypothesis.times = site.times;
-  hypothesis.action = effect.make(site);
+  hypothesis.action = MakeAction(effect, site);
   return hypothesis;
 }
 

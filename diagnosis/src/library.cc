@@ -85,7 +85,7 @@ class LibraryMaker {
     if (strips_.size() >= kFewestHeadings) {
       shapes_.push_back({BoresightByHeading(strips_, Path()), &LibraryMaker::AddGeneric});
     }
-    shapes_.push_back({LaserByScanAngle(network_), &LibraryMaker::AddGeneric});
+    shapes_.push_back({LaserByScanAngle(network_, 0), &LibraryMaker::AddGeneric});
     shapes_.push_back({LaserByStrip(strips_), &LibraryMaker::AddGeneric});
   }
 

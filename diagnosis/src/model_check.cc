@@ -1,8 +1,10 @@
 #include <dn/adjustment/words.h>
 #include <dn/diagnosis/model_check.h>
+#include <dn/diagnosis/scanner_mountings.h>
 #include <dn/distributions.h>
 #include <dn/effects/effect_table.h>
 #include <dn/files/flight.h>
+#include <dn/files/scanners.h>
 #include <dn/parallel.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
@@ -45,7 +47,10 @@ constexpr int kScoreDraws = 400;
 
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
-  std::vector<Hypothesis> discrepancies{LaserByScanAngle(network)};
+  std::vector<Hypothesis> discrepancies;
+  for (std::size_t k = 0; k < NumScanners(network.flight().config); ++k) {
+    discrepancies.push_back(LaserByScanAngle(network, k));
+  }
   const std::vector<StripInterval> strips = FindStrips(network.flight());
   if (strips.size() > 1 && strips.size() <= kMaxJointStrips) {
     discrepancies.push_back(LaserByStrip(strips));
@@ -253,10 +258,11 @@ class Checker {
   }
 
   /// Returns the score of the hypotheses. Its shift has the watched unknowns first, then the
-  /// estimated effects, then the control.
+  /// estimated effects, then the mountings of several scanners, then the control.
   JointScore ScoreHypotheses() const {
     std::vector<BlockId> shifted = watched_;
     for (const BlockId unknown : EffectUnknowns(network_)) shifted.push_back(unknown);
+    for (const BlockId unknown : MountingUnknowns(network_)) shifted.push_back(unknown);
     for (const BlockId block : ControlDeviations(network_)) shifted.push_back(block);
     return ScoreEffects(marginals_, library_.blocks, shifted);
   }
@@ -305,6 +311,42 @@ class Checker {
           {block.name, change.segment(row, size), added.diagonal().segment(row, size)});
       row += size;
     }
+    TakeMountings(unmodelled, row, &effects);
+  }
+
+  /// Takes what unmodelled effects change in the mountings of several scanners. `row` is the first
+  /// of MountingUnknowns in the shift of the score.
+  void TakeMountings(const UnmodelledUnknowns& unmodelled, Eigen::Index row,
+                     UnmodelledEffects* effects) {
+    first_mounting_ = row;
+    const std::vector<BlockId> unknowns = MountingUnknowns(network_);
+    const auto size = 3 * static_cast<Eigen::Index>(unknowns.size());
+    if (size == 0) return;
+    effects->mountings = unmodelled.Correction().segment(row, size);
+    effects->mountings_covariance = unmodelled.AddedCovariance().block(row, row, size, size);
+    for (const ScannerBlocks& scanner : network_.calibration().scanners()) {
+      const auto at = std::find(unknowns.begin(), unknowns.end(), scanner.boresight.id);
+      effects->scanner_contributions.emplace_back();
+      if (at == unknowns.end()) continue;
+      effects->scanner_contributions.back() =
+          unmodelled.Contributions({row + 3 * static_cast<Eigen::Index>(at - unknowns.begin())});
+    }
+  }
+
+  /// Takes the noise beyond the stated one into the mountings of several scanners.
+  void TakeMountingNoise(const Eigen::MatrixXd& gain_of_effects, UnmodelledEffects* effects) {
+    const Eigen::Index size = effects->mountings.size();
+    if (size == 0) return;
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(linearized_.parameters(), size);
+    Eigen::Index column = 0;
+    for (const BlockId unknown : MountingUnknowns(network_)) {
+      unit.block<3, 3>(linearized_.FirstColumn(unknown), column).setIdentity();
+      column += 3;
+    }
+    const Eigen::MatrixXd gain =
+        linearized_.Times(marginals_.Solve(unit)) -
+        marginals_.Project(EffectRows(gain_of_effects.middleCols(first_mounting_, size)));
+    effects->mountings_covariance += noise_.AddedCovariance(gain);
   }
 
   /// Takes the noise beyond the stated one: from here on, the watched sigmas contain it. `left` are
@@ -325,6 +367,7 @@ class Checker {
                                family_.watched_sigma, &effects.contributions);
     effects.covariance_rad2 += added;
     effects.noise_covariance_rad2 = added;
+    TakeMountingNoise(unmodelled.Gain(), &effects);
     family_.watched_sigma = (family_.watched_sigma.cwiseAbs2() + added.diagonal()).cwiseSqrt();
     std::stable_sort(effects.contributions.begin(), effects.contributions.end(),
                      [](const EffectContribution& a, const EffectContribution& b) {
@@ -539,6 +582,7 @@ class Checker {
   std::optional<GnssProcessBasis> gnss_process_;
   std::optional<std::size_t> control_shift_;  // block of the library
   std::vector<BlockId> watched_;
+  Eigen::Index first_mounting_ = 0;  // row of MountingUnknowns in the shift of a score
   TestFamily family_;
   Eigen::MatrixXd gain_;      // rows x watched coordinates
   Eigen::MatrixXd energies_;  // forms_ x samples

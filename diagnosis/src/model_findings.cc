@@ -288,6 +288,10 @@ void AddUnmodelled(const UnmodelledEffects& effects, BoresightResult* boresight)
 
 void Assess(const ModelCheck& check, BoresightResult* boresight) {
   if (check.unmodelled) AddUnmodelled(*check.unmodelled, boresight);
+  AddFindings(check, boresight);
+}
+
+void AddFindings(const ModelCheck& check, BoresightResult* boresight) {
   if (boresight->verdict == Verdict::kAbsorbed && check.unmodelled &&
       OnlyTolerated(*boresight, check)) {
     boresight->verdict = Verdict::kCalibrated;

@@ -2,6 +2,7 @@
 
 #include <dn/autodiff.h>
 #include <dn/effects/effect_table.h>
+#include <dn/files/scanners.h>
 #include <dn/imu/imu_means.h>
 #include <dn/parallel.h>
 
@@ -88,19 +89,26 @@ class NetworkHypotheses {
                  : spec.sensor == EffectSensor::kGnss && network_.gnss().edges().empty()) {
       return;
     }
+    const std::size_t sites = of_lidar ? NumScanners(network_.flight().config) : 1;
+    for (std::size_t scanner = 0; scanner < sites; ++scanner) Add(effect, spec, scanner);
+  }
+
+  void Add(const EstimableEffect& effect, const EffectSpec& spec, std::size_t scanner) {
+    EffectSite site{network_.flight(), {}, scanner};
     if (spec.timing == EffectTiming::kStart) {
       for (const double t0_s : StepTimes(InTime(FindStrips(network_.flight())))) {
-        AddAtZero(MakeHypothesis(effect, {network_.flight(), {.t0_s = t0_s}}));
+        site.times.t0_s = t0_s;
+        AddAtZero(MakeHypothesis(effect, site));
       }
-    } else if (spec.timing == EffectTiming::kFlight && !InNetwork(effect)) {
-      AddAtZero(MakeHypothesis(effect, {network_.flight()}));
+    } else if (spec.timing == EffectTiming::kFlight && !InNetwork(effect, scanner)) {
+      AddAtZero(MakeHypothesis(effect, site));
     }
   }
 
   /// Returns whether the network corrects for the effect. A block that every network has does so
   /// only if it is estimated; otherwise the hypothesis is the change from its constant value.
-  bool InNetwork(const EstimableEffect& effect) const {
-    const std::string& name = effect.name();
+  bool InNetwork(const EstimableEffect& effect, std::size_t scanner) const {
+    const std::string name = ScannerName(network_.flight().config, effect.name(), scanner);
     const Network& net = network_.net();
     if (effect.configured != nullptr) return !net.block(net.Find(name)).held;
     return std::any_of(network_.calibration().effects().begin(),
@@ -128,7 +136,9 @@ class NetworkHypotheses {
   /// Returns the block of the network for an effect of the state; -1 for a hypothesis.
   BlockId OwnBlock(std::size_t k) const {
     const CalibrationValue& value = state_.effects[k];
-    const bool first = k == 0 || state_.effects[k - 1].name != value.name;
+    const bool first =
+        std::none_of(state_.effects.begin(), state_.effects.begin() + static_cast<long>(k),
+                     [&](const CalibrationValue& before) { return before.name == value.name; });
     for (const EffectBlock& effect : network_.calibration().effects()) {
       if (first && effect.name == value.name) return effect.id;
     }

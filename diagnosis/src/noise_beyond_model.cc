@@ -125,6 +125,21 @@ Matrix3d NoiseBeyondModel::AddedCovariance(const MatrixXd& gain, double pair_sig
   return covariance;
 }
 
+MatrixXd NoiseBeyondModel::AddedCovariance(const MatrixXd& gain) const {
+  MatrixXd covariance = MatrixXd::Zero(gain.cols(), gain.cols());
+  const auto add = [&](double variance, const ResidualForm& form) {
+    const MatrixXd sums = form.SumByLabel(gain);
+    covariance += variance * sums.transpose() * sums;
+  };
+  for (const auto& [name, channel] : channels_) {
+    add(std::max(0.0, WhiteVariance(name) - 1.0), channel.form);
+  }
+  for (std::size_t k = 0; k < clusters_.size(); ++k) {
+    add(pairs_.shared[static_cast<Index>(k)], clusters_[k]);
+  }
+  return covariance;
+}
+
 double NoiseBeyondModel::Growth(const ResidualForm& form, const FormMoments& moments) const {
   double growth = WhiteVariance(form.channel);
   if (clusters_.empty() || clusters_.front().channel != form.channel) return growth;

@@ -36,6 +36,9 @@ class NoiseBeyondModel {
                                   const Eigen::Vector3d& angle_sigma_rad,
                                   std::vector<EffectContribution>* contributions) const;
 
+  /// Returns the covariance that this noise adds to any unknowns; `gain` as in AddedCovariance.
+  Eigen::MatrixXd AddedCovariance(const Eigen::MatrixXd& gain) const;
+
   /// Returns the expected value of a form over its value if the noise is as stated, at least 1.
   double Growth(const ResidualForm& form, const FormMoments& moments) const;
 

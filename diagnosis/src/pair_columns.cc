@@ -2,6 +2,7 @@
 
 #include <dn/builder/gravitation_jacobians.h>
 #include <dn/factors/point_sensitivity.h>
+#include <dn/files/scanners.h>
 
 #include <array>
 #include <mutex>
@@ -59,15 +60,17 @@ class Columns {
     const PairEdge& edge = network_.pairs().edges()[end.k];
     const bool first = end.end == PointPairFactor::End::kI;
     const std::optional<std::size_t>& bridge = first ? edge.bridge_i : edge.bridge_j;
+    const LaserShot shot = first ? ShotI(edge.pair) : ShotJ(edge.pair);
     const LidarReading reading =
-        Corrected(lidar_, values_.data(), first ? edge.pair.t_i_s : edge.pair.t_j_s,
-                  first ? edge.pair.u_i_s : edge.pair.u_j_s);
+        Corrected(lidar_, values_.data(), shot.tag_s, shot.u_s, shot.scanner);
+    const auto scanner = static_cast<std::size_t>(shot.scanner);
     const PointSensitivity point = network_.pairs().EndSensitivity(end);
     Matrix3Xd end_columns = Matrix3Xd::Zero(3, columns.cols());
     AddEffectJacobians(point,
                        {reading, increments.J_effects, bridge ? &whole_[*bridge] : nullptr,
                         *gravitation_[first ? edge.node_i : edge.node_j]},
-                       network_.flight().config.lidar->mounting.R_bs_nominal, end_columns);
+                       ScannerAt(network_.flight().config, scanner).mounting.R_bs_nominal,
+                       end_columns);
     // The two ends of a pair may arrive in either order; a sum of two terms does not depend on it.
     const std::lock_guard lock(adding_[end.k % adding_.size()]);
     columns += end_columns;

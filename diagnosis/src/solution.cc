@@ -55,26 +55,44 @@ BoresightResult Solution::CheckedBoresight() const {
   return boresight;
 }
 
-BoresightResult Solution::PredictedBoresight() const {
-  BoresightResult boresight = Boresight();
+std::optional<UnmodelledEffects> Solution::PredictEffects() const {
   const FlightConfig& config = network().flight().config;
   const UnmodelledPrior prior = MakeUnmodelledPrior(config);
-  if (prior.pure() && !HasAutomaticGnssProcess(config)) return boresight;
+  if (prior.pure() && !HasAutomaticGnssProcess(config)) return std::nullopt;
   diagnosis_internal::Library library =
       diagnosis_internal::MakeNetworkHypotheses(network(), threads_, {});
   const auto process =
       diagnosis_internal::AddGnssProcess(network(), marginals_.linearized(), &library);
-  JointScore score =
-      ScoreEffects(marginals_, library.blocks, {network().calibration().boresight().id});
+  std::vector<BlockId> watched{network().calibration().boresight().id};
+  const std::vector<BlockId> mountings = MountingUnknowns(network());
+  watched.insert(watched.end(), mountings.begin(), mountings.end());
+  JointScore score = ScoreEffects(marginals_, library.blocks, watched);
   score.s.setZero();
   const diagnosis_internal::UnmodelledUnknowns unknowns(library, prior, score, process,
                                                         diagnosis_internal::SizeSource::kPrior);
-  if (unknowns.empty()) return boresight;
+  if (unknowns.empty()) return std::nullopt;
+  const Eigen::MatrixXd added = unknowns.AddedCovariance();
   UnmodelledEffects effects;
-  effects.covariance_rad2 = unknowns.AddedCovariance();
+  effects.covariance_rad2 = added.topLeftCorner<3, 3>();
   effects.contributions = unknowns.Contributions({0});
-  AddUnmodelled(effects, &boresight);
+  const auto size = 3 * static_cast<Eigen::Index>(mountings.size());
+  effects.mountings_covariance = added.bottomRightCorner(size, size);
+  return effects;
+}
+
+BoresightResult Solution::PredictedBoresight() const {
+  BoresightResult boresight = Boresight();
+  if (const auto effects = PredictEffects()) AddUnmodelled(*effects, &boresight);
   return boresight;
+}
+
+ScannerMountings Solution::CheckedMountings() const {
+  return ExtractMountings(adjustment_, marginals_, &model_check());
+}
+
+ScannerMountings Solution::PredictedMountings() const {
+  if (MountingUnknowns(network()).empty()) return {};
+  return PredictMountings(adjustment_, marginals_, PredictEffects().value_or(UnmodelledEffects()));
 }
 
 std::vector<UnknownEstimate> Solution::Unknowns() const {

@@ -37,6 +37,7 @@ Table Sensors(const FlightConfig& config) {
     add("antenna lever arm, forward right down [m]", ThreeNumbers(config.gnss->lever_arm_b_m));
   }
   if (config.lidar) {
+    if (!config.lidar->name.empty()) add("scanner", config.lidar->name);
     add("scanner lever arm, forward right down [m]",
         ThreeNumbers(config.lidar->mounting.lever_arm_b_m));
     add("sigma of a pair [m]", fmt::format("{:.3g}", config.lidar->sigma_p_m));

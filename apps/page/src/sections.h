@@ -69,6 +69,9 @@ Section ModelCheckSection(const Facts& result);
 /// Returns the control points, the accuracy by withheld checks, and the shift of the datum.
 Section ControlSection(const Facts& result);
 
+/// Returns the boresights of several scanners, and the relative mountings of every two.
+Section ScannerSection(const Facts& result);
+
 /// Returns the detection limits of `could_still_hide`: the sizes from which each effect is
 /// detectable and identifiable, and the shift of the boresight.
 Section UndetectableSection(const Facts& effects);

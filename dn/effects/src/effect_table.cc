@@ -225,8 +225,9 @@ const std::string& EffectName(EffectId id) { return EffectRow(id).name; }
 bool IsEffect(std::string_view name, EffectId id) { return name == EffectName(id); }
 
 const EffectSpec* FindEffect(std::string_view name) {
+  const std::string_view effect_name = name.substr(0, name.find('/'));
   for (const EffectSpec& effect : EffectTable()) {
-    if (effect.name == name) return &effect;
+    if (effect.name == effect_name) return &effect;
   }
   return nullptr;
 }

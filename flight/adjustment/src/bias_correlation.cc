@@ -45,8 +45,10 @@ class WithBias {
 
 std::vector<BiasCorrelationAt> BiasCorrelationOverTime(const FlightNetwork& network,
                                                        const Marginals& marginals,
-                                                       const Marginals::Columns& boresight) {
-  const Eigen::Matrix3d covariance = boresight.Rows(network.calibration().boresight().id);
+                                                       const Marginals::Columns& boresight,
+                                                       std::size_t scanner) {
+  const Eigen::Matrix3d covariance =
+      boresight.Rows(network.calibration().scanners()[scanner].boresight.id);
   const Eigen::Vector3d sigma = covariance.diagonal().cwiseSqrt();
   WithBias gyro(network.trajectory().gyro_bias(), sigma, marginals, boresight);
   WithBias accel(network.trajectory().accel_bias(), sigma, marginals, boresight);

@@ -204,7 +204,7 @@ bool NeedsControlSearch(const Flight& flight) {
   if (!flight.control || flight.config.strips_crs == "none") return false;
   const bool any = std::any_of(flight.control->points.begin(), flight.control->points.end(),
                                [](const ControlPoint& point) { return point.returns.empty(); });
-  return any && !FindStripFiles(flight.config.folder).empty();
+  return any && !FindStripFiles(flight.config, 0).empty();
 }
 
 long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
@@ -215,7 +215,7 @@ long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
   }
   const StripSource source(options, flight.frame, flight.config.strips_crs);
   ReturnCollector collector(flight, source, mounting, points);
-  for (const std::filesystem::path& file : FindStripFiles(flight.config.folder)) {
+  for (const std::filesystem::path& file : FindStripFiles(flight.config, 0)) {
     collector.Search(file);
   }
   return std::count_if(points.begin(), points.end(),

@@ -1,6 +1,7 @@
 #include <dn/adjustment/pair_residuals.h>
 #include <dn/adjustment/swath_separation.h>
 #include <dn/files/scan_angle.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_at.h>
 #include <dn/geo/text_table.h>
 
@@ -12,20 +13,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-ResidualEnd DescribeEnd(const Flight& flight, double t_s, const Vector3d& u_s,
-                        const MapPose& pose) {
-  return {t_s, ScanAngle(*flight.config.lidar, u_s), u_s.norm(),
+ResidualEnd DescribeEnd(const Flight& flight, const LidarConfig& scanner, double t_s,
+                        const Vector3d& u_s, const MapPose& pose) {
+  return {t_s, ScanAngle(scanner, u_s), u_s.norm(),
           RollPitchHeading(ToNavPoint(pose, flight.frame).q_nb).z()};
 }
 
 PairResidual Describe(const Flight& flight, const std::vector<StripInterval>& strips,
                       const LidarPair& pair, const MapPose& pose_i, const MapPose& pose_j) {
-  const Mounting& assumed = flight.config.lidar->mounting;
-  const Vector3d p_i = Georeference(pose_i, assumed, pair.u_i_s);
-  const Vector3d p_j = Georeference(pose_j, assumed, pair.u_j_s);
+  const LidarConfig& i = ScannerAt(flight.config, static_cast<std::size_t>(pair.scanner_i));
+  const LidarConfig& j = ScannerAt(flight.config, static_cast<std::size_t>(pair.scanner_j));
+  const Vector3d p_i = Georeference(pose_i, i.mounting, pair.u_i_s);
+  const Vector3d p_j = Georeference(pose_j, j.mounting, pair.u_j_s);
   PairResidual residual;
-  residual.i = DescribeEnd(flight, pair.t_i_s, pair.u_i_s, pose_i);
-  residual.j = DescribeEnd(flight, pair.t_j_s, pair.u_j_s, pose_j);
+  residual.i = DescribeEnd(flight, i, pair.t_i_s, pair.u_i_s, pose_i);
+  residual.j = DescribeEnd(flight, j, pair.t_j_s, pair.u_j_s, pose_j);
   residual.strips = StripPairName(strips, pair.t_i_s, pair.t_j_s);
   residual.ground_en_m = 0.5 * (p_i + p_j).head<2>();
   residual.before_enu_m = p_i - p_j;

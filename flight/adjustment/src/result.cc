@@ -3,6 +3,7 @@
 #include <dn/adjustment/trajectory_sigma.h>
 #include <dn/axis_names.h>
 #include <dn/builder/node_grid.h>
+#include <dn/files/scanners.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 
@@ -141,8 +142,16 @@ Eigen::Matrix3d ModelledBoresight::correlation() const {
   return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
 }
 
-double PairResolution(const Flight& flight) {
-  return flight.config.lidar->sigma_p_m / MeanRange(flight.pairs->pairs);
+double PairResolution(const Flight& flight, std::size_t scanner) {
+  return ScannerAt(flight.config, scanner).sigma_p_m / MeanRange(ScannerPairs(flight, scanner));
+}
+
+std::vector<LidarPair> ScannerPairs(const Flight& flight, std::size_t scanner) {
+  std::vector<LidarPair> pairs = flight.pairs->pairs;
+  const auto k = static_cast<int>(scanner);
+  std::erase_if(pairs,
+                [k](const LidarPair& pair) { return pair.scanner_i != k && pair.scanner_j != k; });
+  return pairs;
 }
 
 void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result) {
@@ -169,23 +178,24 @@ void AssessSeparability(BoresightResult* result) {
 }
 
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
-                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result) {
+                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result,
+                         std::size_t scanner) {
   // If all pairs together are no better than this many times a single one, they do not determine
   // the angle.
   constexpr double kPairResolutions = 10.0;
   constexpr double kAttitudeSigmas = 3.0;
   constexpr std::size_t kFewestPairs = 6;  // two per angle: a wrong pair is then visible
-  const double pairs_rad = kPairResolutions * PairResolution(flight);
+  const double pairs_rad = kPairResolutions * PairResolution(flight, scanner);
   AssessSeparability(result);
   for (int i = 0; i < 3; ++i) {
     if (sigma_rad[i] <= pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) continue;
     result->verdict = Verdict::kNotObservable;
     result->reasons.push_back({facts::SigmaAbovePairs{i}});
   }
-  const std::vector<LidarPair>& pairs = flight.pairs->pairs;
-  if (pairs.size() < kFewestPairs) {
+  const std::size_t pairs = ScannerPairs(flight, scanner).size();
+  if (pairs < kFewestPairs) {
     result->verdict = Verdict::kNotObservable;
-    result->reasons.push_back({facts::FewPairs{static_cast<long>(pairs.size())}});
+    result->reasons.push_back({facts::FewPairs{static_cast<long>(pairs)}});
   }
   if (result->verdict == Verdict::kCalibrated) AssessLargestSigma(sigma_rad, result);
 }
@@ -231,28 +241,30 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
   return result;
 }
 
-BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals) {
+BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals,
+                                 std::size_t scanner) {
   const FlightNetwork& network = *adjustment.network;
-  if (network.net().block(network.calibration().boresight().id).held) {
+  const Block<LeftRotation> boresight = network.calibration().scanners()[scanner].boresight;
+  if (network.net().block(boresight.id).held) {
     throw RankDeficient(
         "the boresight is constant at its assumed value: add boresight to estimate in "
         "flight.yaml");
   }
   BoresightResult result;
-  const Eigen::Quaterniond q = network.net().Value(network.calibration().boresight());
+  const Eigen::Quaterniond q = network.net().Value(boresight);
   result.angles_rad = Log(q);
   result.euler_zyx_rad = RollPitchHeading(q);
-  const Marginals::Columns columns = marginals.SolveColumns({network.calibration().boresight().id});
-  result.covariance_rad2 = columns.Rows(network.calibration().boresight().id);
+  const Marginals::Columns columns = marginals.SolveColumns({boresight.id});
+  result.covariance_rad2 = columns.Rows(boresight.id);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(result.covariance_rad2);
   result.condition_number = eigen.eigenvalues()[2] / eigen.eigenvalues()[0];
   const std::size_t barycentre =
       NodeNear(network.trajectory().node_times(), LidarBarycentre(network));
-  const auto series = BiasCorrelationOverTime(network, marginals, columns);
+  const auto series = BiasCorrelationOverTime(network, marginals, columns, scanner);
   result.accel_bias = Summarise(series, &BiasCorrelationAt::accel, barycentre);
   result.gyro_bias = Summarise(series, &BiasCorrelationAt::gyro, barycentre);
   AssessObservability(network.flight(), result.sigma_rad(),
-                      SigmaAt(network, barycentre, marginals).rph_rad, &result);
+                      SigmaAt(network, barycentre, marginals).rph_rad, &result, scanner);
   if (result.verdict == Verdict::kCalibrated && !adjustment.warnings.empty()) {
     result.verdict = Verdict::kAbsorbed;
   }
@@ -270,7 +282,7 @@ std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
   const FlightNetwork& network = *adjustment.network;
   std::vector<UnknownEstimate> estimates;
   for (const EstimateEntry& entry : network.flight().config.estimate) {
-    if (entry.unknown == "boresight") continue;
+    if (IsBoresight(entry)) continue;
     const BlockId id = network.net().Find(entry.unknown);
     const BlockRecord& record = network.net().block(id);
     const Eigen::VectorXd assumed = AssumedValue(network.flight(), entry.unknown);

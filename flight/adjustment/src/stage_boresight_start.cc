@@ -3,6 +3,7 @@
 #include <dn/parallel.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -10,34 +11,44 @@
 namespace dn {
 namespace {
 
-constexpr std::size_t kBoresightBlock = 6;  // index in the blocks of a pair factor
 constexpr double kCauchyNorm = 3.0;
 constexpr int kMaxSteps = 30;
 // A hundredth of the best sigma of an angle; the network refines the start.
 constexpr double kStepRad = 1e-7;
 
-/// The residual of a pair as a linear function of a small rotation of the boresight.
+/// The residual of a pair as a linear function of a small rotation of a boresight.
 struct PairAtBoresight {
   Eigen::Vector3d r;
   Eigen::Matrix3d A;
 };
 
 /// Returns nullopt if the factor is not defined there, or if it is user-defined with another size.
-std::optional<PairAtBoresight> AtBoresight(const FlightNetwork& network, FactorId id) {
+std::optional<PairAtBoresight> AtBoresight(const FlightNetwork& network, FactorId id,
+                                           BlockId boresight) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
-  if (network.net().factor(id).factor->residual_size() != 3) return std::nullopt;
+  const FactorRecord& record = network.net().factor(id);
+  const auto at = std::find(record.blocks.begin(), record.blocks.end(), boresight);
+  if (record.factor->residual_size() != 3 || at == record.blocks.end()) return std::nullopt;
   if (!network.net().EvaluateFactor(id, &r, &J)) return std::nullopt;
-  return PairAtBoresight{r, J[kBoresightBlock]};
+  return PairAtBoresight{r, J[static_cast<std::size_t>(at - record.blocks.begin())]};
+}
+
+/// Returns whether the pair starts the boresight of scanner k: its own pairs do, and those with
+/// scanners before it, which have started.
+bool Starts(const LidarPair& pair, std::size_t k) {
+  return std::max(pair.scanner_i, pair.scanner_j) == static_cast<int>(k);
 }
 
 class PairsAtBoresight {
  public:
-  PairsAtBoresight(const FlightNetwork& network, int threads) {
+  PairsAtBoresight(const FlightNetwork& network, std::size_t scanner, int threads) {
+    const BlockId boresight = network.calibration().scanners()[scanner].boresight.id;
     std::vector<std::optional<PairAtBoresight>> of_edge(network.pairs().edges().size());
     ParallelFor(static_cast<int>(of_edge.size()), threads, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      of_edge[k] = AtBoresight(network, network.pairs().edges()[k].id);
+      const PairEdge& edge = network.pairs().edges()[k];
+      if (Starts(edge.pair, scanner)) of_edge[k] = AtBoresight(network, edge.id, boresight);
     });
     for (const std::optional<PairAtBoresight>& pair : of_edge) {
       if (pair) pairs_.push_back(*pair);
@@ -85,12 +96,13 @@ class PairsAtBoresight {
 void StartBoresight(AdjustmentRun& run) {
   FlightNetwork& network = run.network();
   Network& net = network.net();
-  if (net.block(network.calibration().boresight().id).held) return;
-  for (int step = 0; step < kMaxSteps; ++step) {
-    const Eigen::Vector3d d = PairsAtBoresight(network, run.options().threads).Turn();
-    net.SetValue(network.calibration().boresight(),
-                 Exp(d) * net.Value(network.calibration().boresight()));
-    if (d.norm() < kStepRad) break;
+  for (std::size_t k = 0; k < network.calibration().scanners().size(); ++k) {
+    const Block<LeftRotation> boresight = network.calibration().scanners()[k].boresight;
+    for (int step = 0; step < kMaxSteps && !net.block(boresight.id).held; ++step) {
+      const Eigen::Vector3d d = PairsAtBoresight(network, k, run.options().threads).Turn();
+      net.SetValue(boresight, Exp(d) * net.Value(boresight));
+      if (d.norm() < kStepRad) break;
+    }
   }
 }
 

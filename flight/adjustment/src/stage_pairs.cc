@@ -1,5 +1,6 @@
 #include <dn/adjustment/stages.h>
 #include <dn/builder/use_survey.h>
+#include <dn/files/scanners.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/robust_scale.h>
 
@@ -25,6 +26,25 @@ void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
                      " s; a boresight needs pairs along whole strips");
 }
 
+/// Throws InvalidInput if the boresight of one of several scanners is an unknown without pairs.
+void ExpectPairsOfScanners(const FlightNetwork& network) {
+  const std::vector<ScannerBlocks>& scanners = network.calibration().scanners();
+  for (std::size_t k = 0; k < scanners.size(); ++k) {
+    const auto measured = [k = static_cast<int>(k)](const PairEdge& edge) {
+      return edge.pair.scanner_i == k || edge.pair.scanner_j == k;
+    };
+    const std::vector<PairEdge>& edges = network.pairs().edges();
+    if (network.net().block(scanners[k].boresight.id).held ||
+        std::any_of(edges.begin(), edges.end(), measured)) {
+      continue;
+    }
+    throw InvalidInput("adjustment: no usable pair has an end of scanner '" +
+                       ScannerAt(network.flight().config, k).name +
+                       "'; give it pairs (lidar.p2p, pairs_between), or select another with "
+                       "--scanner");
+  }
+}
+
 }  // namespace
 
 void AddPairs(AdjustmentRun& run) {
@@ -37,6 +57,7 @@ void AddPairs(AdjustmentRun& run) {
         "adjustment: the two epochs of every pair lie between the same two nodes; pairs must join "
         "different strips");
   }
+  ExpectPairsOfScanners(run.network());
   run.result().residual_initial_m = run.MeanPairDifference();
   if (!run.flight().control) return;
   run.network().AddControl(*run.flight().control);

@@ -3,6 +3,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/factors/prior.h>
+#include <dn/files/scanners.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
@@ -57,7 +58,11 @@ BlockLabel EffectLabel(const std::string& name, Eigen::Index size) {
 CalibrationBlocks::CalibrationBlocks(const Flight& flight, const CalibrationState& initial,
                                      Network* net)
     : flight_(flight), net_(*net) {
-  AddMounting(initial);
+  AddScanner(0, initial.MountingAt(0));
+  AddGnssLeverArm(initial);
+  for (std::size_t k = 1; k < NumScanners(flight.config); ++k) {
+    AddScanner(k, initial.MountingAt(k));
+  }
   AddEffects(initial);
   AddPriors();
 }
@@ -68,22 +73,34 @@ bool CalibrationBlocks::IsEstimated(const std::string& unknown) const {
                      [&](const EstimateEntry& entry) { return entry.unknown == unknown; });
 }
 
-void CalibrationBlocks::AddMounting(const CalibrationState& initial) {
-  boresight_ = net_.AddLeftRotation("boresight", initial.q_boresight);
-  gnss_lever_arm_ =
-      net_.AddVector<3>(EffectName(EffectId::kGnssLeverArm), initial.gnss_lever_arm_b_m);
-  lidar_lever_arm_ =
-      net_.AddVector<3>(EffectName(EffectId::kLidarLeverArm), initial.lidar_lever_arm_b_m);
-  lidar_time_offset_ = net_.AddVector<1>(EffectName(EffectId::kLidarTimeOffset),
-                                         Eigen::Matrix<double, 1, 1>(initial.lidar_time_offset_s));
-  net_.SetLabel(boresight_.id, {"boresight", AxisNames(kRollPitchYaw), "deg", kDegPerRad});
+void CalibrationBlocks::AddGnssLeverArm(const CalibrationState& initial) {
+  const std::string& name = EffectName(EffectId::kGnssLeverArm);
+  gnss_lever_arm_ = net_.AddVector<3>(name, initial.gnss_lever_arm_b_m);
   net_.SetLabel(gnss_lever_arm_.id, {"GNSS lever arm", AxisNames(kXyz), "m", 1.0});
-  net_.SetLabel(lidar_lever_arm_.id, {"lidar lever arm", AxisNames(kXyz), "m", 1.0});
-  net_.SetLabel(lidar_time_offset_.id, {"lidar time offset", {"t"}, "s", 1.0});
-  net_.Hold(boresight_, !flight_.config.lidar || !IsEstimated("boresight"));
-  net_.Hold(gnss_lever_arm_, !IsEstimated(EffectName(EffectId::kGnssLeverArm)));
-  net_.Hold(lidar_lever_arm_, !IsEstimated(EffectName(EffectId::kLidarLeverArm)));
-  net_.Hold(lidar_time_offset_, !IsEstimated(EffectName(EffectId::kLidarTimeOffset)));
+  net_.Hold(gnss_lever_arm_, !IsEstimated(name));
+}
+
+void CalibrationBlocks::AddScanner(std::size_t k, const MountingState& initial) {
+  const auto name = [&](const std::string& unknown) {
+    return ScannerName(flight_.config, unknown, k);
+  };
+  const std::string of_scanner = k == 0 ? "" : " of " + ScannerAt(flight_.config, k).name;
+  const std::string boresight = name("boresight");
+  const std::string lever_arm = name(EffectName(EffectId::kLidarLeverArm));
+  const std::string time_offset = name(EffectName(EffectId::kLidarTimeOffset));
+  ScannerBlocks blocks;
+  blocks.boresight = net_.AddLeftRotation(boresight, initial.q_boresight);
+  blocks.lever_arm = net_.AddVector<3>(lever_arm, initial.lever_arm_b_m);
+  blocks.time_offset =
+      net_.AddVector<1>(time_offset, Eigen::Matrix<double, 1, 1>(initial.time_offset_s));
+  net_.SetLabel(blocks.boresight.id,
+                {"boresight" + of_scanner, AxisNames(kRollPitchYaw), "deg", kDegPerRad});
+  net_.SetLabel(blocks.lever_arm.id, {"lidar lever arm" + of_scanner, AxisNames(kXyz), "m", 1.0});
+  net_.SetLabel(blocks.time_offset.id, {"lidar time offset" + of_scanner, {"t"}, "s", 1.0});
+  net_.Hold(blocks.boresight, !flight_.config.lidar || !IsEstimated(boresight));
+  net_.Hold(blocks.lever_arm, !IsEstimated(lever_arm));
+  net_.Hold(blocks.time_offset, !IsEstimated(time_offset));
+  scanners_.push_back(blocks);
 }
 
 void CalibrationBlocks::AddEffects(const CalibrationState& initial) {
@@ -95,18 +112,21 @@ void CalibrationBlocks::AddEffects(const CalibrationState& initial) {
   }
 }
 
+void CalibrationBlocks::AddBoresightPrior(std::size_t k) {
+  const LidarConfig& lidar = ScannerAt(flight_.config, k);
+  if (!lidar.boresight_sigma_rad) return;
+  const FactorId id = net_.Add(PriorLeftRotation(Exp(lidar.mounting.boresight_rad),
+                                                 Noise<3>::Sigma(*lidar.boresight_sigma_rad)),
+                               scanners_[k].boresight);
+  net_.Tag(id, builder_internal::PriorGroup(), std::numeric_limits<double>::quiet_NaN());
+}
+
 void CalibrationBlocks::AddPriors() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const FlightConfig& config = flight_.config;
-  if (config.lidar && config.lidar->boresight_sigma_rad) {
-    const FactorId id =
-        net_.Add(PriorLeftRotation(Exp(config.lidar->mounting.boresight_rad),
-                                   Noise<3>::Sigma(*config.lidar->boresight_sigma_rad)),
-                 boresight_);
-    net_.Tag(id, builder_internal::PriorGroup(), nan);
-  }
+  for (std::size_t k = 0; k < NumScanners(config); ++k) AddBoresightPrior(k);
   for (const EstimateEntry& entry : config.estimate) {
-    if (entry.unknown == "boresight" || entry.sigma.empty()) continue;
+    if (entry.sigma.empty()) continue;
     const BlockId block = net_.Find(entry.unknown);
     net_.Tag(AddPrior(block, AssumedValue(flight_, entry.unknown), *PriorSigma(entry), &net_),
              builder_internal::PriorGroup(), nan);
@@ -115,10 +135,19 @@ void CalibrationBlocks::AddPriors() {
 
 CalibrationState CalibrationBlocks::State() const {
   CalibrationState state;
-  state.q_boresight = net_.Value(boresight_);
   state.gnss_lever_arm_b_m = net_.Value(gnss_lever_arm_);
-  state.lidar_lever_arm_b_m = net_.Value(lidar_lever_arm_);
-  state.lidar_time_offset_s = net_.Value(lidar_time_offset_)[0];
+  for (std::size_t k = 0; k < scanners_.size(); ++k) {
+    const MountingState mounting{net_.Value(scanners_[k].boresight),
+                                 net_.Value(scanners_[k].lever_arm),
+                                 net_.Value(scanners_[k].time_offset)[0]};
+    if (k > 0) {
+      state.more_scanners.push_back(mounting);
+      continue;
+    }
+    state.q_boresight = mounting.q_boresight;
+    state.lidar_lever_arm_b_m = mounting.lever_arm_b_m;
+    state.lidar_time_offset_s = mounting.time_offset_s;
+  }
   for (const EffectBlock& effect : effects_) {
     const BlockRecord& block = net_.block(effect.id);
     state.effects.push_back(
@@ -139,7 +168,10 @@ bool CalibrationBlocks::MovesLidarEpochs() const {
     const auto* lidar = std::get_if<std::shared_ptr<const LidarEffect>>(&effect.action);
     return lidar != nullptr && (*lidar)->moves_epochs();
   };
-  return !net_.block(lidar_time_offset_.id).held ||
+  const auto is_free = [&](const ScannerBlocks& scanner) {
+    return !net_.block(scanner.time_offset.id).held;
+  };
+  return std::any_of(scanners_.begin(), scanners_.end(), is_free) ||
          std::any_of(effects_.begin(), effects_.end(), moves);
 }
 

@@ -1,5 +1,6 @@
 #include <dn/builder/calibration_state.h>
 #include <dn/effects/effect_table.h>
+#include <dn/files/scanners.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
@@ -21,6 +22,11 @@ void Append(const CalibrationState& state, std::vector<std::size_t>* indices) {
 }
 
 }  // namespace
+
+MountingState CalibrationState::MountingAt(std::size_t k) const {
+  if (k > 0) return more_scanners[k - 1];
+  return {q_boresight, lidar_lever_arm_b_m, lidar_time_offset_s};
+}
 
 void CalibrationState::Insert(CalibrationValue value) {
   const auto at = std::upper_bound(
@@ -77,18 +83,26 @@ CalibrationState AssumedCalibration(const Flight& flight) {
     state.q_boresight = Exp(config.lidar->mounting.boresight_rad);
     state.lidar_lever_arm_b_m = config.lidar->mounting.lever_arm_b_m;
   }
+  for (const LidarConfig& lidar : config.more_scanners) {
+    state.more_scanners.push_back(
+        {Exp(lidar.mounting.boresight_rad), lidar.mounting.lever_arm_b_m, 0.0});
+  }
   for (const EstimateEntry& entry : config.estimate) {
     const EstimableEffect* effect = FindEstimable(entry.unknown);
     if (effect == nullptr || effect->configured != nullptr) continue;
     const auto size = static_cast<Eigen::Index>(FindEffect(entry.unknown)->components.size());
-    state.Insert({entry.unknown, effect->make({flight, entry.times}), Eigen::VectorXd::Zero(size)});
+    state.Insert({entry.unknown,
+                  MakeAction(*effect, {flight, entry.times, FindScanner(config, entry.unknown)}),
+                  Eigen::VectorXd::Zero(size)});
   }
   return state;
 }
 
 Eigen::VectorXd AssumedValue(const Flight& flight, const std::string& unknown) {
   const EstimableEffect* effect = FindEstimable(unknown);
-  if (effect != nullptr && effect->configured != nullptr) return effect->configured(flight.config);
+  if (effect != nullptr && effect->configured != nullptr) {
+    return effect->configured(flight.config, FindScanner(flight.config, unknown));
+  }
   return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(FindEffect(unknown)->components.size()));
 }
 

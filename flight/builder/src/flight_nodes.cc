@@ -111,7 +111,11 @@ double AutoNodeRateHz(const Flight& flight) {
   for (const TimeInterval& strip : strips) strips_s += strip.t1_s - strip.t0_s;
   const double noise_m_per_sqrt_s =
       LargestGyroWhite(flight, strips) * MeanRange(flight.pairs->pairs);
-  const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
+  double sigma_p_m = flight.config.lidar->sigma_p_m;
+  for (const LidarConfig& lidar : flight.config.more_scanners) {
+    sigma_p_m = std::min(sigma_p_m, lidar.sigma_p_m);
+  }
+  const double relative = noise_m_per_sqrt_s / sigma_p_m;
   for (const auto& [rate_hz, shared] : kLadder) {
     const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);
     if (kBridged * relative * relative / rate_hz * ends_per_interval <= shared) return rate_hz;

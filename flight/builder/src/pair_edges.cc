@@ -1,6 +1,7 @@
 #include <dn/builder/node_grid.h>
 #include <dn/builder/pair_edges.h>
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/parallel.h>
 
 #include <algorithm>
@@ -35,13 +36,13 @@ std::vector<AttachedEnd> EndsInOrder(std::span<const PairEdge> edges,
                                      const PairCalibration& calibration) {
   std::vector<AttachedEnd> ends;
   ends.reserve(2 * edges.size());
-  const auto epoch = [&](double tag_s, const Eigen::Vector3d& u_s) {
-    return calibration.EmissionTime(calibration.Read(tag_s, u_s));
+  const auto epoch = [&](const LaserShot& shot) {
+    return calibration.EmissionTime(calibration.Read(shot.tag_s, shot.u_s, shot.scanner));
   };
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const LidarPair& pair = edges[k].pair;
-    ends.push_back({{k, End::kI}, edges[k].node_i, epoch(pair.t_i_s, pair.u_i_s)});
-    ends.push_back({{k, End::kJ}, edges[k].node_j, epoch(pair.t_j_s, pair.u_j_s)});
+    ends.push_back({{k, End::kI}, edges[k].node_i, epoch(ShotI(pair))});
+    ends.push_back({{k, End::kJ}, edges[k].node_j, epoch(ShotJ(pair))});
   }
   std::sort(ends.begin(), ends.end(), [](const AttachedEnd& a, const AttachedEnd& b) {
     return std::tie(a.node, a.epoch_s) < std::tie(b.node, b.epoch_s);
@@ -76,6 +77,9 @@ void PairEdges::SetModel(PairModel model) {
     throw InvalidInput("pair model: factors of a pair model cannot estimate '" +
                        context_.calibration.effects()[effects.front()].name +
                        "'; remove it from `estimate`");
+  }
+  if (NumScanners(context_.flight.config) > 1) {
+    throw InvalidInput("pair model: a flight with several scanners has the factors of the library");
   }
   model_ = std::move(model);
 }
@@ -120,7 +124,7 @@ std::optional<PairEdge> PairEdges::Attach(const LidarPair& pair, double margin_s
 void PairEdges::Bridge(PairEdge* edge) const {
   const auto [first, second] = std::minmax(edge->node_i, edge->node_j);
   if (second - first < 2) return;
-  const double sigma_m = context_.flight.config.lidar->sigma_p_m;
+  const double sigma_m = PairSigma(context_.flight.config, edge->pair);
   const double variance_m2 =
       edge->pair.covariance_m2 ? edge->pair.covariance_m2->trace() / 3.0 : sigma_m * sigma_m;
   const auto find_bridge = [&](std::size_t node, double range_m) -> std::optional<std::size_t> {
@@ -137,12 +141,14 @@ void PairEdges::Bridge(PairEdge* edge) const {
 
 std::vector<BlockId> PairEdges::Blocks(const PairEdge& edge) const {
   const TrajectoryGraph& trajectory = context_.trajectory;
-  const CalibrationBlocks& calibration = context_.calibration;
   std::vector<BlockId> blocks = trajectory.NodeIds(edge.node_i);
   builder_internal::Append(trajectory.NodeIds(edge.node_j), &blocks);
-  builder_internal::Append({calibration.boresight().id, calibration.lidar_lever_arm().id,
-                            calibration.lidar_time_offset().id},
-                           &blocks);
+  const auto append_mounting = [&](int scanner) {
+    const ScannerBlocks& own = context_.calibration.scanners()[static_cast<std::size_t>(scanner)];
+    builder_internal::Append({own.boresight.id, own.lever_arm.id, own.time_offset.id}, &blocks);
+  };
+  append_mounting(edge.pair.scanner_i);
+  if (edge.pair.scanner_j != edge.pair.scanner_i) append_mounting(edge.pair.scanner_j);
   if (edge.bridge_i) blocks.push_back(trajectory.nodes()[edge.node_i + 1].q_mb.id);
   if (edge.bridge_j) blocks.push_back(trajectory.nodes()[edge.node_j + 1].q_mb.id);
   if (model_) builder_internal::Append(model_->blocks, &blocks);

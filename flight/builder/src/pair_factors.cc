@@ -4,6 +4,7 @@
 #include <dn/error.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/point_to_point_between_nodes.h>
+#include <dn/files/scanners.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
@@ -20,14 +21,20 @@ constexpr const char* kCheckPair =
 constexpr double kEpochRoundingS = 1e-7;
 
 /// Returns lever arm plus laser vector of a reading, body axes, m.
-Eigen::Vector3d ArmToPoint(const Mounting& mounting, const CalibrationState& state,
+Eigen::Vector3d ArmToPoint(const FlightConfig& config, const CalibrationState& state,
                            const LidarReading& reading) {
+  const auto k = static_cast<std::size_t>(reading.scanner);
+  const MountingState mounting = state.MountingAt(k);
   const Eigen::Quaterniond q_boresight =
       reading.turn_b_rad.isZero(0.0)
-          ? state.q_boresight
-          : Exp(Eigen::Vector3d(Log(state.q_boresight) + reading.turn_b_rad));
-  return state.lidar_lever_arm_b_m + reading.arm_b_m +
-         q_boresight * (mounting.R_bs_nominal * reading.u_s);
+          ? mounting.q_boresight
+          : Exp(Eigen::Vector3d(Log(mounting.q_boresight) + reading.turn_b_rad));
+  return mounting.lever_arm_b_m + reading.arm_b_m +
+         q_boresight * (ScannerAt(config, k).mounting.R_bs_nominal * reading.u_s);
+}
+
+const Eigen::Matrix3d& NominalMounting(const FlightConfig& config, int scanner) {
+  return ScannerAt(config, static_cast<std::size_t>(scanner)).mounting.R_bs_nominal;
 }
 
 }  // namespace
@@ -58,46 +65,52 @@ Preintegrated EndIncrements::To(double epoch_s) {
                                                : IdentityIncrement(imu_, node_t_s_, correction_);
 }
 
-LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, double tag_s,
-                    const Eigen::Vector3d& u_s, EndAttachment at, Eigen::Matrix3d* covariance_m2) {
-  const LidarReading reading = calibration.Read(tag_s, u_s);
+LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, const LaserShot& shot,
+                    EndAttachment at, Eigen::Matrix3d* covariance_m2) {
+  const LidarReading reading = calibration.Read(shot.tag_s, shot.u_s, shot.scanner);
   const double t_s = calibration.EmissionTime(reading);
   if (t_s < at.node.t_s - kEpochRoundingS) {
-    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
+    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(shot.tag_s - t_s) +
                        " s exceeds the " + std::to_string(kLidarTimeMarginS) +
                        " s that can be estimated; correct the time tags of the pairs first");
   }
-  LidarEnd end{tag_s, std::move(at.partial), u_s, at.node.p_mb};
+  LidarEnd end{shot.tag_s, std::move(at.partial), shot.u_s, at.node.p_mb};
+  end.scanner = shot.scanner;
   if (at.inertial) {
     end.bridge = std::make_shared<IncrementConditioning>(flight.frame, end.partial,
                                                          at.inertial->increments());
   }
-  *covariance_m2 +=
-      EndNoise(end, at.node.q_mb.toRotationMatrix(),
-               ArmToPoint(flight.config.lidar->mounting, calibration.state(), reading));
+  *covariance_m2 += EndNoise(end, at.node.q_mb.toRotationMatrix(),
+                             ArmToPoint(flight.config, calibration.state(), reading));
   return end;
 }
 
 PreparedPair PreparePair(const Flight& flight, const PairCalibration& calibration,
                          const LidarPair& pair, EndAttachment i, EndAttachment j) {
-  const LidarConfig& lidar = *flight.config.lidar;
-  Eigen::Matrix3d covariance_m2 = pair.covariance_m2.value_or(
-      Eigen::Matrix3d(lidar.sigma_p_m * lidar.sigma_p_m * Eigen::Matrix3d::Identity()));
-  LidarEnd end_i =
-      PrepareEnd(flight, calibration, pair.t_i_s, pair.u_i_s, std::move(i), &covariance_m2);
-  LidarEnd end_j =
-      PrepareEnd(flight, calibration, pair.t_j_s, pair.u_j_s, std::move(j), &covariance_m2);
-  return {std::move(end_i), std::move(end_j), lidar.mounting.R_bs_nominal,
-          calibration.state().lidar_time_offset_s,
-          builder_internal::MeasurementNoise(0.5 * (covariance_m2 + covariance_m2.transpose()),
-                                             "the point pair", pair.t_i_s, kCheckPair)};
+  const double sigma_m = PairSigma(flight.config, pair);
+  Eigen::Matrix3d covariance_m2 =
+      pair.covariance_m2.value_or(Eigen::Matrix3d(sigma_m * sigma_m * Eigen::Matrix3d::Identity()));
+  LidarEnd end_i = PrepareEnd(flight, calibration, ShotI(pair), std::move(i), &covariance_m2);
+  LidarEnd end_j = PrepareEnd(flight, calibration, ShotJ(pair), std::move(j), &covariance_m2);
+  const MountingState mounting =
+      calibration.state().MountingAt(static_cast<std::size_t>(pair.scanner_i));
+  PreparedPair prepared{
+      std::move(end_i), std::move(end_j), NominalMounting(flight.config, pair.scanner_i),
+      mounting.time_offset_s,
+      builder_internal::MeasurementNoise(0.5 * (covariance_m2 + covariance_m2.transpose()),
+                                         "the point pair", pair.t_i_s, kCheckPair)};
+  if (pair.scanner_j != pair.scanner_i) {
+    prepared.R_bs_nominal_j = NominalMounting(flight.config, pair.scanner_j);
+  }
+  return prepared;
 }
 
 std::shared_ptr<const FactorBase> MakePairFactor(const LocalFrame& frame,
                                                  const PairCalibration& calibration,
                                                  const PreparedPair& pair) {
   const CalibrationState& state = calibration.state();
-  if (PairEffectIndices(state).empty() && !pair.i.bridge && !pair.j.bridge) {
+  if (PairEffectIndices(state).empty() && !pair.i.bridge && !pair.j.bridge &&
+      !pair.R_bs_nominal_j) {
     return std::make_shared<PointToPoint>(frame, pair);
   }
   return std::make_shared<PointToPointBetweenNodes>(

@@ -18,7 +18,7 @@ std::string ReadShared(const YamlValue& value) {
   std::string name = ReadName(value);
   if (name == kShared) return name;
   const EffectSpec* effect = FindEffect(name);
-  if (effect == nullptr) {
+  if (effect == nullptr || effect->name != name) {
     std::vector<std::string> known = EffectNames(EffectKind::kFixed);
     known.emplace_back(kShared);
     value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) + "'?");

@@ -12,6 +12,9 @@ namespace dn::files_internal {
 /// Least standard deviation, m; the same limit holds for every number that must be positive.
 inline constexpr double kLeastSigmaM = 1e-12;
 
+/// Largest number of patterns of pair files.
+inline constexpr std::size_t kMostPatterns = 10000;
+
 /// Largest number of error processes of a sensor: each adds states to every node of the network.
 inline constexpr std::size_t kMostProcesses = 20;
 
@@ -35,7 +38,8 @@ std::string ReadTextCrs(const YamlValue& crs);
 bool ReadNorth(const YamlValue& north, const std::string& crs);
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
-LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
+/// `name` is that of a scanner in a list; it is empty without a list.
+LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const std::string& name);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 ControlConfig ReadControlSection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);

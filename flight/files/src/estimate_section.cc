@@ -13,7 +13,7 @@ constexpr std::size_t kMostEntries = 1000;
 
 const EffectSpec& FixedEffect(const YamlValue& value, const std::string& name) {
   const EffectSpec* effect = FindEffect(name);
-  if (effect == nullptr) {
+  if (effect == nullptr || effect->name != name) {
     std::vector<std::string> known = EffectNames(EffectKind::kFixed);
     known.emplace_back(kBoresight);
     value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) + "'?");
@@ -40,7 +40,8 @@ void ReadWord(const YamlValue& item, EstimateEntry* entry) {
 }
 
 void ReadMap(const YamlValue& item, EstimateEntry* entry) {
-  item.ExpectMap({"unknown", "sigma", "window_s", "t0_s"});
+  item.ExpectMap({"unknown", "scanner", "sigma", "window_s", "t0_s"});
+  if (item["scanner"]) entry->scanner = ReadName(item["scanner"]);
   entry->unknown = ReadName(item["unknown"]);
   if (entry->unknown == kBoresight) {
     if (item["sigma"]) {
@@ -82,7 +83,9 @@ std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
     EstimateEntry entry;
     entry.where = item.where();
     item.IsMap() ? ReadMap(item, &entry) : ReadWord(item, &entry);
-    const auto same = [&](const EstimateEntry& e) { return e.unknown == entry.unknown; };
+    const auto same = [&](const EstimateEntry& e) {
+      return e.unknown == entry.unknown && e.scanner == entry.scanner;
+    };
     if (std::any_of(entries.begin(), entries.end(), same)) {
       item.Fail("'" + entry.unknown + "' is given twice");
     }
@@ -92,6 +95,10 @@ std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
 }
 
 }  // namespace files_internal
+
+bool IsBoresight(const EstimateEntry& entry) {
+  return entry.unknown.substr(0, entry.unknown.find('/')) == files_internal::kBoresight;
+}
 
 std::optional<Eigen::VectorXd> PriorSigma(const EstimateEntry& entry) {
   if (entry.sigma.empty()) return std::nullopt;

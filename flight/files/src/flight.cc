@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/files/flight.h>
+#include <dn/files/scanners.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/week_seconds.h>
@@ -208,14 +209,18 @@ class FolderReader {
     }
   }
 
-  /// Returns whether every pattern of lidar.p2p matches a file.
-  bool HasPairFiles() {
+  /// Replaces the default name of the pair file by lidar/*.txt if there is no such file.
+  void ResolvePairFiles() {
     std::vector<std::string>& patterns = flight_.config.lidar->p2p;
     const std::vector<std::string> usual = LidarConfig().p2p;
     if (patterns == usual && !files_internal::IsThere(InFolder(usual.front())) &&
         fs::is_directory(InFolder("lidar"))) {
       patterns = {"lidar/*.txt"};
     }
+  }
+
+  /// Returns whether every pattern matches a file.
+  bool HasPairFiles(const std::vector<std::string>& patterns) const {
     try {
       FindPairFiles(flight_.config.folder, patterns);
       return true;
@@ -225,18 +230,83 @@ class FolderReader {
     }
   }
 
+  /// Reads the pairs of every scanner, then those between two scanners.
+  void ReadScannerPairs() {
+    const FlightConfig& config = flight_.config;
+    for (std::size_t k = 0; k < NumScanners(config); ++k) AddPairs(ScannerAt(config, k).p2p, k, k);
+    for (const PairsBetween& between : config.pairs_between) {
+      AddPairs(between.p2p, between.scanner_i, between.scanner_j);
+    }
+    if (needs_.optional || flight_.pairs) return;
+    throw InvalidInput("no scanner has pair files; check the keys lidar.p2p and pairs_between",
+                       FileLocation{config.file.string(), 0, 0});
+  }
+
+  /// Reads the pairs of two scanners. Pairs that `sigma_p_m` of the first scanner does not describe
+  /// get their covariance.
+  void AddPairs(const std::vector<std::string>& patterns, std::size_t i, std::size_t j) {
+    if (patterns.empty() || !HasPairFiles(patterns)) return;
+    const FlightConfig& config = flight_.config;
+    const double offset_i_s = ScannerAt(config, i).time_offset_s;
+    PairData data = ReadPairs(config.folder, patterns, offset_i_s);
+    const double later_s = ScannerAt(config, j).time_offset_s - offset_i_s;
+    for (LidarPair& pair : data.pairs) {
+      if (later_s != 0.0) pair.t_j_s -= later_s;
+      pair.scanner_i = static_cast<int>(i);
+      pair.scanner_j = static_cast<int>(j);
+      const double sigma_m = PairSigma(config, pair);
+      if (i + j > 0 && !pair.covariance_m2) {
+        pair.covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+      }
+    }
+    Append(std::move(data));
+  }
+
+  void Append(PairData data) {
+    if (!flight_.pairs) {
+      flight_.pairs = std::move(data);
+      return;
+    }
+    PairData& all = *flight_.pairs;
+    const int first = static_cast<int>(all.files.size());
+    for (LidarPair& pair : data.pairs) pair.file += first;
+    all.files.insert(all.files.end(), data.files.begin(), data.files.end());
+    all.pairs.insert(all.pairs.end(), data.pairs.begin(), data.pairs.end());
+    all.origins.insert(all.origins.end(), data.origins.begin(), data.origins.end());
+    all.repeated_pairs_dropped += data.repeated_pairs_dropped;
+  }
+
+  /// Returns the pairs that lidar.pairs of their scanner selects; pairs between two scanners are
+  /// all selected.
+  std::vector<LidarPair> SelectScannerPairs(const std::vector<LidarPair>& pairs) const {
+    if (NumScanners(flight_.config) == 1) return SelectPairs(pairs, flight_.config.lidar->pairs);
+    std::vector<std::vector<LidarPair>> own(NumScanners(flight_.config));
+    std::vector<LidarPair> between;
+    for (const LidarPair& pair : pairs) {
+      const bool same = pair.scanner_i == pair.scanner_j;
+      (same ? own[static_cast<std::size_t>(pair.scanner_i)] : between).push_back(pair);
+    }
+    std::vector<LidarPair> selected;
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const auto some = SelectPairs(own[k], ScannerAt(flight_.config, k).pairs);
+      selected.insert(selected.end(), some.begin(), some.end());
+    }
+    selected.insert(selected.end(), between.begin(), between.end());
+    return selected;
+  }
+
   void ReadPairsPart() {
     if (!HasSection(flight_.config.lidar.has_value(), "lidar")) return;
-    if (!HasPairFiles()) return;
-    flight_.pairs = ReadPairs(flight_.config.folder, flight_.config.lidar->p2p,
-                              flight_.config.lidar->time_offset_s);
+    ResolvePairFiles();
+    ReadScannerPairs();
+    if (!flight_.pairs) return;
     Count("repeated pairs", flight_.pairs->repeated_pairs_dropped);
     KeepPairsInsideSpan();
     CheckPairsCovered();
     flight_.pair_strips = FindStrips(flight_);
     std::vector<LidarPair>& pairs = flight_.pairs->pairs;
     const std::size_t all = pairs.size();
-    pairs = SelectPairs(pairs, flight_.config.lidar->pairs);
+    pairs = SelectScannerPairs(pairs);
     Count("pairs not selected", static_cast<long>(all - pairs.size()));
     flight_.counts["pairs"] = static_cast<long>(pairs.size());
   }

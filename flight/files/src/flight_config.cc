@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/files/across.h>
 #include <dn/files/flight_config.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/read_file.h>
@@ -10,6 +11,7 @@
 
 #include "config_sections.h"
 #include "is_there.h"
+#include "scanner_list.h"
 
 namespace dn {
 namespace {
@@ -110,9 +112,6 @@ void ReadSensors(const YamlValue& root, FlightConfig& config) {
   if (const YamlValue section = root["gnss"]) {
     config.gnss = files_internal::ReadGnssSection(section, config.body_is_flu);
   }
-  if (const YamlValue section = root["lidar"]) {
-    config.lidar = files_internal::ReadLidarSection(section, config.body_is_flu);
-  }
   if (const YamlValue section = root["trajectory"]) {
     config.trajectory = files_internal::ReadTrajectorySection(section);
   }
@@ -138,9 +137,10 @@ std::string FolderName(const fs::path& folder) {
 
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
-  root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
-                  "imu", "gnss", "lidar", "trajectory", "control", "gh", "unmodelled", "estimate",
-                  "across", "network", "unexplained"});
+  root.ExpectMap({"name",          "data_folder", "body",       "frame",   "time_span_s",
+                  "strips",        "strips_crs",  "imu",        "gnss",    "lidar",
+                  "pairs_between", "scanner",     "trajectory", "control", "gh",
+                  "unmodelled",    "estimate",    "across",     "network", "unexplained"});
   FlightConfig config;
   config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(files_internal::BodyWords());
@@ -150,12 +150,14 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   config.strips_crs_stated = static_cast<bool>(root["strips_crs"]);
   if (config.strips_crs_stated) config.strips_crs = ReadCrs(root["strips_crs"]);
   ReadSensors(root, config);
+  const std::vector<std::string> scanners = files_internal::ReadScanners(root, &config);
   if (root["control"]) config.control = files_internal::ReadControlSection(root["control"]);
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["unmodelled"]) {
     config.unmodelled = files_internal::ReadUnmodelled(root["unmodelled"]);
   }
   if (root["estimate"]) config.estimate = files_internal::ReadEstimate(root["estimate"]);
+  AssignScanners(scanners, &config);
   ParseAcross(root["across"]);  // belongs to several flights; here it is only checked
   if (root["network"]) config.network = ReadNetwork(root["network"]);
   if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
@@ -198,7 +200,7 @@ FlightConfig ReadFlightConfig(const fs::path& folder_or_file,
   FlightConfig config =
       ParseFile(WithYamlChanges(ReadText(file), changes, "gnss.sigma_scale=2"), file);
   if (config.strips_crs_stated) return config;
-  const std::string stated = FindStripsCrs(config.folder);
+  const std::string stated = FindStripsCrs(config);
   if (!stated.empty()) config.strips_crs = stated;
   return config;
 }

@@ -1,3 +1,4 @@
+#include <dn/files/scanners.h>
 #include <dn/geo/text_table.h>
 
 #include "config_sections.h"
@@ -160,25 +161,46 @@ std::string NameList(const std::vector<std::string>& names) {
   return "[" + text + "]";
 }
 
-void WriteLidar(const LidarConfig& lidar, Writer& out) {
-  out.Line(0, "lidar:");
-  out.Key(1, "p2p", NameList(lidar.p2p));
-  out.Key(1, "time_offset_s", Number(lidar.time_offset_s));
-  out.Key(1, "pairs", Selection(lidar.pairs));
-  out.Key(1, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
-  out.Key(1, "lever_arm_m", List(lidar.mounting.lever_arm_b_m));
-  out.Key(1, "boresight_deg", List(lidar.mounting.boresight_rad, &RadFromDeg));
-  out.Key(1, "boresight_sigma_deg",
+/// Writes the keys of a scanner at a level.
+void WriteScanner(const LidarConfig& lidar, int level, Writer& out) {
+  out.Key(level, "p2p", NameList(lidar.p2p));
+  out.Key(level, "time_offset_s", Number(lidar.time_offset_s));
+  out.Key(level, "pairs", Selection(lidar.pairs));
+  out.Key(level, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
+  out.Key(level, "lever_arm_m", List(lidar.mounting.lever_arm_b_m));
+  out.Key(level, "boresight_deg", List(lidar.mounting.boresight_rad, &RadFromDeg));
+  out.Key(level, "boresight_sigma_deg",
           lidar.boresight_sigma_rad ? List(*lidar.boresight_sigma_rad, &RadFromDeg) : "~");
-  out.Key(1, "georeferenced_with",
+  out.Key(level, "georeferenced_with",
           lidar.georeferenced_with_rad
               ? "{boresight_deg: " + List(*lidar.georeferenced_with_rad, &RadFromDeg) + "}"
               : "~");
-  out.Key(1, "scan_axis", List(lidar.scan_axis_s));
-  out.Key(1, "nadir_axis", List(lidar.nadir_axis_s));
-  out.Key(1, "gsd_m", Number(lidar.gsd_m));
-  out.Key(1, "sigma_p_m", Number(lidar.sigma_p_m));
-  out.Key(1, "robust", FindWord(lidar.robust, files_internal::RobustWords()));
+  out.Key(level, "scan_axis", List(lidar.scan_axis_s));
+  out.Key(level, "nadir_axis", List(lidar.nadir_axis_s));
+  out.Key(level, "gsd_m", Number(lidar.gsd_m));
+  out.Key(level, "sigma_p_m", Number(lidar.sigma_p_m));
+  out.Key(level, "robust", FindWord(lidar.robust, files_internal::RobustWords()));
+}
+
+void WriteLidar(const FlightConfig& config, Writer& out) {
+  out.Line(0, "lidar:");
+  if (config.lidar->name.empty()) return WriteScanner(*config.lidar, 1, out);
+  for (std::size_t k = 0; k < NumScanners(config); ++k) {
+    out.Line(1, "- name: " + QuoteYaml(ScannerAt(config, k).name));
+    WriteScanner(ScannerAt(config, k), 2, out);
+  }
+}
+
+void WritePairsBetween(const FlightConfig& config, Writer& out) {
+  if (config.pairs_between.empty()) return;
+  out.Line(0, "pairs_between:");
+  for (const PairsBetween& between : config.pairs_between) {
+    out.Line(1, "- {scanners: " +
+                    NameList({ScannerAt(config, between.scanner_i).name,
+                              ScannerAt(config, between.scanner_j).name}) +
+                    ", p2p: " + NameList(between.p2p) +
+                    ", sigma_p_m: " + Number(between.sigma_p_m) + "}");
+  }
 }
 
 void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
@@ -213,12 +235,14 @@ void WriteControl(const ControlConfig& control, Writer& out) {
 std::string Estimate(const EstimateEntry& entry) {
   const std::vector<double>& sigma = entry.sigma;
   std::string more = FormatEffectTimes(entry.times);
+  const std::string unknown = entry.unknown.substr(0, entry.unknown.find('/'));
+  if (!entry.scanner.empty()) more = ", scanner: " + QuoteYaml(entry.scanner) + more;
   if (sigma.size() == 1) more += ", sigma: " + Number(sigma.front());
   if (sigma.size() > 1) {
     more += ", sigma: " + List(Eigen::Map<const Eigen::VectorXd>(
                               sigma.data(), static_cast<Eigen::Index>(sigma.size())));
   }
-  return more.empty() ? entry.unknown : "{unknown: " + entry.unknown + more + "}";
+  return more.empty() ? unknown : "{unknown: " + unknown + more + "}";
 }
 
 void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
@@ -281,13 +305,15 @@ FlightConfig WithBodyFlipped(FlightConfig config) {
   using files_internal::FlipBody;
   if (config.imu) FlipBody(&config.imu->read.R_imu_to_body);
   if (config.gnss) config.gnss->lever_arm_b_m = FlipBody(config.gnss->lever_arm_b_m);
-  if (!config.lidar) return config;
-  Mounting& mounting = config.lidar->mounting;
-  FlipBody(&mounting.R_bs_nominal);
-  mounting.lever_arm_b_m = FlipBody(mounting.lever_arm_b_m);
-  mounting.boresight_rad = FlipBody(mounting.boresight_rad);
-  auto& georeferenced_with_rad = config.lidar->georeferenced_with_rad;
-  if (georeferenced_with_rad) georeferenced_with_rad = FlipBody(*georeferenced_with_rad);
+  for (std::size_t k = 0; k < NumScanners(config); ++k) {
+    LidarConfig& lidar = ScannerAt(config, k);
+    Mounting& mounting = lidar.mounting;
+    FlipBody(&mounting.R_bs_nominal);
+    mounting.lever_arm_b_m = FlipBody(mounting.lever_arm_b_m);
+    mounting.boresight_rad = FlipBody(mounting.boresight_rad);
+    auto& georeferenced_with_rad = lidar.georeferenced_with_rad;
+    if (georeferenced_with_rad) georeferenced_with_rad = FlipBody(*georeferenced_with_rad);
+  }
   return config;
 }
 
@@ -295,7 +321,8 @@ void WriteRest(const FlightConfig& config, Writer& out) {
   WriteHead(config, out);
   if (config.imu) WriteImu(*config.imu, out);
   if (config.gnss) WriteGnss(*config.gnss, out);
-  if (config.lidar) WriteLidar(*config.lidar, out);
+  if (config.lidar) WriteLidar(config, out);
+  WritePairsBetween(config, out);
   if (config.trajectory) WriteTrajectory(*config.trajectory, out);
   if (config.control) WriteControl(*config.control, out);
   out.Key(0, "gh",

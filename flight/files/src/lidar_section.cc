@@ -10,7 +10,6 @@ namespace dn::files_internal {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
-constexpr std::size_t kMostPatterns = 10000;
 constexpr double kRoundOff = 4e-16;
 constexpr double kMaxAngleDeg = 180.0;
 constexpr double kMaxCosineOfAxes = 1e-2;  // allows half a degree from a right angle
@@ -119,17 +118,23 @@ Eigen::Matrix3d ReadRotation(const YamlValue& value) {
   }
 }
 
-LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"p2p", "time_offset_s", "pairs", "R_sensor_to_body", "lever_arm_m",
-                     "boresight_deg", "boresight_sigma_deg", "georeferenced_with", "scan_axis",
-                     "nadir_axis", "gsd_m", "sigma_p_m", "robust"});
+LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const std::string& name) {
+  std::vector<std::string> keys{
+      "p2p",         "time_offset_s",      "pairs",     "R_sensor_to_body",
+      "lever_arm_m", "boresight_deg",      "scan_axis", "boresight_sigma_deg",
+      "nadir_axis",  "georeferenced_with", "gsd_m",     "sigma_p_m",
+      "robust"};
+  if (!name.empty()) keys.emplace_back("name");
+  section.ExpectMap(keys);
   const auto to_frd = [&](const Eigen::Vector3d& v) { return body_is_flu ? FlipBody(v) : v; };
   LidarConfig lidar;
+  lidar.name = name;
+  if (!name.empty()) lidar.p2p = {"lidar_" + name + "/*.txt"};
   if (section["p2p"]) {
     lidar.p2p.clear();
     for (const YamlValue& item : section["p2p"].Items(kMostPatterns))
       lidar.p2p.push_back(item.Text());
-    if (lidar.p2p.empty()) section["p2p"].Fail("must name at least one file");
+    if (lidar.p2p.empty() && name.empty()) section["p2p"].Fail("must name at least one file");
   }
   lidar.time_offset_s = ReadTimeOffset(section);
   if (section["pairs"]) lidar.pairs = ReadSelection(section["pairs"]);

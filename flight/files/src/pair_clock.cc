@@ -65,8 +65,9 @@ class BodyPoses {
   std::vector<MapPose> poses_;
 };
 
-/// Returns at most kMostPairs pairs, evenly spaced.
-std::vector<LidarPair> SomePairs(const std::vector<LidarPair>& pairs) {
+/// Returns at most kMostPairs pairs of the first scanner, evenly spaced.
+std::vector<LidarPair> SomePairs(std::vector<LidarPair> pairs) {
+  std::erase_if(pairs, [](const LidarPair& pair) { return pair.scanner_i + pair.scanner_j > 0; });
   const std::size_t step = std::max<std::size_t>(1, pairs.size() / kMostPairs);
   std::vector<LidarPair> some;
   for (std::size_t i = 0; i < pairs.size(); i += step) some.push_back(pairs[i]);

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/point_crs.h>
@@ -65,10 +66,12 @@ std::string VectorWarning(const VectorOrigin& origin, const std::string& strip) 
          "state it in flight.yaml, lidar.georeferenced_with: {boresight_deg: [roll, pitch, yaw]}";
 }
 
-std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
+namespace {
+
+std::vector<fs::path> FindClouds(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code none;
-  for (const auto& entry : fs::directory_iterator(flight_folder / "strips", none)) {
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
     const bool hidden = entry.path().filename().string().starts_with('.');
     if (!hidden && IsStripName(entry.path()) && !IsCircularLink(entry.path())) {
       files.push_back(entry.path());
@@ -78,13 +81,37 @@ std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
   return files;
 }
 
-std::vector<fs::path> RequireStripFiles(const fs::path& flight_folder) {
-  std::vector<fs::path> files = FindStripFiles(flight_folder);
+fs::path StripFolder(const FlightConfig& config, std::size_t scanner) {
+  const std::string name = config.lidar ? ScannerAt(config, scanner).name : "";
+  return config.folder / (name.empty() ? "strips" : "strips_" + name);
+}
+
+}  // namespace
+
+std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
+  return FindClouds(flight_folder / "strips");
+}
+
+std::vector<fs::path> FindStripFiles(const FlightConfig& config, std::size_t scanner) {
+  return FindClouds(StripFolder(config, scanner));
+}
+
+std::vector<fs::path> FindStripFiles(const FlightConfig& config) {
+  std::vector<fs::path> files = FindStripFiles(config, 0);
+  for (std::size_t k = 1; k < NumScanners(config); ++k) {
+    const std::vector<fs::path> more = FindStripFiles(config, k);
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  return files;
+}
+
+std::vector<fs::path> RequireStripFiles(const FlightConfig& config) {
+  std::vector<fs::path> files = FindStripFiles(config);
   if (!files.empty()) return files;
   throw InvalidInput(
       "the flight has no strips; put point clouds (.las, .laz, or .txt of t, x, y, z, ux, uy, uz) "
       "into " +
-      (flight_folder / "strips").string());
+      StripFolder(config, 0).string());
 }
 
 std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
@@ -116,9 +143,9 @@ std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
   return {};
 }
 
-std::string FindStripsCrs(const fs::path& flight_folder) {
+std::string FindStripsCrs(const FlightConfig& config) {
   std::string found;
-  for (const fs::path& file : FindStripFiles(flight_folder)) {
+  for (const fs::path& file : FindStripFiles(config)) {
     try {
       const std::string name = OpenStrip(file)->crs().name;
       if (name.empty() || (!found.empty() && !IsSameCrs(name, found))) return {};

@@ -58,8 +58,13 @@ struct UnmodelledEffects {
   Eigen::Matrix3d noise_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
   std::vector<EffectContribution> contributions;  ///< the largest first
-  std::vector<NodeChange> nodes;                  ///< of a network, in the order of its nodes
-  EffectPosterior posterior;                      ///< of a network with a boresight
+  /// Change of MountingUnknowns in a flight with several scanners, and the covariance added. The
+  /// contributions are those to the boresight of each scanner.
+  Eigen::VectorXd mountings;
+  Eigen::MatrixXd mountings_covariance;
+  std::vector<std::vector<EffectContribution>> scanner_contributions;
+  std::vector<NodeChange> nodes;  ///< of a network, in the order of its nodes
+  EffectPosterior posterior;      ///< of a network with a boresight
   /// Whether the size of the time-correlated error of the GNSS positions (gnss.processes: auto) is
   /// one that its prior expects; absent without it.
   std::optional<bool> gnss_process_usual;
@@ -172,6 +177,10 @@ const char* Word(const ModelCheck& check);
 /// Takes the effects that the model leaves out into angles, covariance and contributions of a
 /// boresight of the pure model. Sets the verdict to not observable if AssessLargestSigma does.
 void AddUnmodelled(const UnmodelledEffects& effects, BoresightResult* boresight);
+
+/// Adds the findings of the check to the verdict and the reasons of a boresight that contains the
+/// unmodelled effects (AddUnmodelled).
+void AddFindings(const ModelCheck& check, BoresightResult* boresight);
 
 /// Takes the unmodelled effects of the check into a boresight of the pure model (AddUnmodelled).
 /// Adds the findings of the check to the reasons of the boresight, before the other reasons. A fact

@@ -4,6 +4,7 @@
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/trajectory_covariance.h>
 #include <dn/diagnosis/model_check.h>
+#include <dn/diagnosis/scanner_mountings.h>
 #include <dn/solvers/marginals.h>
 
 #include <optional>
@@ -54,6 +55,14 @@ class Solution {
   /// the model leaves out are estimated; uses no residuals. For designs without measured values.
   BoresightResult PredictedBoresight() const;
 
+  /// Returns the mountings of several scanners, with the effects that the model leaves out and the
+  /// findings of the model check; empty for one scanner.
+  ScannerMountings CheckedMountings() const;
+
+  /// Returns the mountings of several scanners with the covariances that they have if these effects
+  /// are estimated; uses no residuals. Empty for one scanner.
+  ScannerMountings PredictedMountings() const;
+
   /// Returns the other estimated unknowns.
   std::vector<UnknownEstimate> Unknowns() const;
 
@@ -72,6 +81,9 @@ class Solution {
   TrajectoryCovariance PoseCovariance(const std::vector<StripInterval>& strips) const;
 
  private:
+  /// Returns the covariances that effects outside of the model add; nullopt for the pure model.
+  std::optional<UnmodelledEffects> PredictEffects() const;
+
   Adjustment adjustment_;
   int threads_;
   Marginals marginals_;

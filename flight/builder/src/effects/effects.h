@@ -30,9 +30,9 @@ EffectAction BoresightDrift(const EffectSite& site);
 EffectAction BoresightStep(const EffectSite& site);
 
 /// These functions return the configured value of an effect; see EstimableEffect::configured.
-Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config);
-Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config);
-Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig& config);
+Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config, std::size_t scanner);
+Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config, std::size_t scanner);
+Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig& config, std::size_t scanner);
 
 /// Returns the first and last time tag of the pairs, s; both are 0 without pairs.
 std::pair<double, double> LidarSpan(const Flight& flight);

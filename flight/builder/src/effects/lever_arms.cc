@@ -1,3 +1,5 @@
+#include <dn/files/scanners.h>
+
 #include "effects.h"
 
 namespace dn::builder_internal {
@@ -33,12 +35,13 @@ EffectAction GnssLeverArm(const EffectSite&) { return std::make_shared<AntennaAr
 
 EffectAction LidarLeverArm(const EffectSite&) { return std::make_shared<ScannerArm>(); }
 
-Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config) {
+Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config, std::size_t) {
   return config.gnss ? config.gnss->lever_arm_b_m : Eigen::Vector3d::Zero().eval();
 }
 
-Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config) {
-  return config.lidar ? config.lidar->mounting.lever_arm_b_m : Eigen::Vector3d::Zero().eval();
+Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config, std::size_t scanner) {
+  if (!config.lidar) return Eigen::Vector3d::Zero();
+  return ScannerAt(config, scanner).mounting.lever_arm_b_m;
 }
 
 }  // namespace dn::builder_internal

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/rotation.h>
 
 #include <cmath>
@@ -127,23 +128,23 @@ class ScanTorsion final : public LidarEffect {
   Scan scan_;
 };
 
-const LidarConfig& RequireLidar(const Flight& flight) {
-  if (flight.config.lidar) return *flight.config.lidar;
+const LidarConfig& RequireLidar(const EffectSite& site) {
+  if (site.flight.config.lidar) return ScannerAt(site.flight.config, site.scanner);
   throw InvalidConfig("estimate: an effect on the lidar needs the section lidar in flight.yaml");
 }
 
 }  // namespace
 
 EffectAction LidarAngleScale(const EffectSite& site) {
-  return std::make_shared<AngleScale>(RequireLidar(site.flight));
+  return std::make_shared<AngleScale>(RequireLidar(site));
 }
 
 EffectAction LidarScanCone(const EffectSite& site) {
-  return std::make_shared<ScanCone>(RequireLidar(site.flight));
+  return std::make_shared<ScanCone>(RequireLidar(site));
 }
 
 EffectAction LidarScanTorsion(const EffectSite& site) {
-  return std::make_shared<ScanTorsion>(RequireLidar(site.flight));
+  return std::make_shared<ScanTorsion>(RequireLidar(site));
 }
 
 }  // namespace dn::builder_internal

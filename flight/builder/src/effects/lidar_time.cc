@@ -52,7 +52,9 @@ std::pair<double, double> LidarSpan(const Flight& flight) {
 
 EffectAction LidarTimeOffset(const EffectSite&) { return std::make_shared<LidarTagOffset>(); }
 
-Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig&) { return Eigen::VectorXd::Zero(1); }
+Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig&, std::size_t) {
+  return Eigen::VectorXd::Zero(1);
+}
 
 EffectAction LidarTimeDrift(const EffectSite& site) {
   return std::make_shared<LidarTagDrift>(LidarSpan(site.flight).first);

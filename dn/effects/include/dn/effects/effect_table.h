@@ -114,7 +114,8 @@ const EffectSpec& EffectRow(EffectId id);
 /// Returns the name of an effect in files.
 const std::string& EffectName(EffectId id);
 
-/// Returns the effect of this name; nullptr if there is no such effect.
+/// Returns the effect of this name; nullptr if there is no such effect. The name of an unknown of
+/// one scanner, `effect/scanner`, gives its effect.
 const EffectSpec* FindEffect(std::string_view name);
 
 /// Returns whether `name` is the name of this effect.

@@ -21,7 +21,8 @@ struct BiasCorrelationAt {
 /// are the columns of the boresight in the covariance matrix.
 std::vector<BiasCorrelationAt> BiasCorrelationOverTime(const FlightNetwork& network,
                                                        const Marginals& marginals,
-                                                       const Marginals::Columns& boresight);
+                                                       const Marginals::Columns& boresight,
+                                                       std::size_t scanner = 0);
 
 /// Returns the mean epoch of the active pairs, s; the epoch of the first node if there are none.
 double LidarBarycentre(const FlightNetwork& network);

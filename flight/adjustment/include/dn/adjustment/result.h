@@ -121,8 +121,11 @@ struct BoresightResult {
   Eigen::Matrix3d correlation() const;
 };
 
-/// Returns the angle that a single pair resolves, rad: its own sigma_p at the mean range.
-double PairResolution(const Flight& flight);
+/// Returns the pairs that have an end of this scanner.
+std::vector<LidarPair> ScannerPairs(const Flight& flight, std::size_t scanner);
+
+/// Returns the angle that a single pair of a scanner resolves, rad: its sigma_p at the mean range.
+double PairResolution(const Flight& flight, std::size_t scanner = 0);
 
 /// Sets the verdict to not observable, and adds the reasons, if a standard deviation exceeds 0.5
 /// deg.
@@ -142,16 +145,18 @@ void AssessSeparability(BoresightResult* result);
 /// `sigma_rad` are the sigmas of the boresight, `attitude_sigma_rad` those of the trajectory's
 /// attitude.
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
-                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result);
+                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result,
+                         std::size_t scanner = 0);
 
 /// Returns the posterior covariances of the trajectory and of the biases, figures, and statistics.
 /// `marginals` must have its selected inverse.
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals);
 
-/// Returns the boresight with its covariance and its correlations with all biases. The verdict is
-/// that of AssessObservability, and absorbed instead of calibrated if the adjustment has warnings.
-/// Throws RankDeficient if the boresight is constant.
-BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals);
+/// Returns the boresight of a scanner with its covariance and its correlations with all biases. The
+/// verdict is that of AssessObservability, and absorbed instead of calibrated if the adjustment has
+/// warnings. Throws RankDeficient if the boresight is constant.
+BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals,
+                                 std::size_t scanner = 0);
 
 /// Returns the covariance at t_s of the total bias (per axis, the sum of its processes), in
 /// (rad/s)^2 or (m/s^2)^2. It is zero without processes. `marginals` must have its selected

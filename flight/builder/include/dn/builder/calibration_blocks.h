@@ -16,21 +16,32 @@ struct EffectBlock {
   BlockId id = -1;
 };
 
+/// The blocks of the mounting of one scanner.
+struct ScannerBlocks {
+  Block<LeftRotation> boresight;
+  Block<Vec<3>> lever_arm;
+  Block<Vec<1>> time_offset;
+};
+
 /// The calibration unknowns of a flight as blocks of a network, with their priors.
 ///
 /// Block names: "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every
-/// other effect of `estimate` by its name. A block that the configuration does not estimate is
-/// constant.
+/// other effect of `estimate` by its name; those of further scanners by ScannerName. A block that
+/// the configuration does not estimate is constant.
 class CalibrationBlocks {
  public:
   /// Adds the blocks with the values of `initial`, and the priors of the configuration. The flight
   /// and the network must outlive the object.
   CalibrationBlocks(const Flight& flight, const CalibrationState& initial, Network* net);
 
-  Block<LeftRotation> boresight() const { return boresight_; }
+  /// Return the blocks of the first scanner. They exist, constant, without a scanner, too.
+  Block<LeftRotation> boresight() const { return scanners_.front().boresight; }
+  Block<Vec<3>> lidar_lever_arm() const { return scanners_.front().lever_arm; }
+  Block<Vec<1>> lidar_time_offset() const { return scanners_.front().time_offset; }
+
+  /// Returns the blocks of all scanners in their order, at least one element.
+  const std::vector<ScannerBlocks>& scanners() const { return scanners_; }
   Block<Vec<3>> gnss_lever_arm() const { return gnss_lever_arm_; }
-  Block<Vec<3>> lidar_lever_arm() const { return lidar_lever_arm_; }
-  Block<Vec<1>> lidar_time_offset() const { return lidar_time_offset_; }
   /// Returns the effects in the order of EstimableEffects.
   const std::vector<EffectBlock>& effects() const { return effects_; }
 
@@ -44,17 +55,17 @@ class CalibrationBlocks {
   bool MovesLidarEpochs() const;
 
  private:
-  void AddMounting(const CalibrationState& initial);
+  void AddGnssLeverArm(const CalibrationState& initial);
+  void AddScanner(std::size_t k, const MountingState& initial);
   void AddEffects(const CalibrationState& initial);
   void AddPriors();
+  void AddBoresightPrior(std::size_t k);
   bool IsEstimated(const std::string& unknown) const;
 
   const Flight& flight_;
   Network& net_;
-  Block<LeftRotation> boresight_;
   Block<Vec<3>> gnss_lever_arm_;
-  Block<Vec<3>> lidar_lever_arm_;
-  Block<Vec<1>> lidar_time_offset_;
+  std::vector<ScannerBlocks> scanners_;
   std::vector<EffectBlock> effects_;
 };
 

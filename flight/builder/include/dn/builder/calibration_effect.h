@@ -27,10 +27,11 @@ using EffectAction =
     std::variant<std::shared_ptr<const ImuEffect>, std::shared_ptr<const LidarEffect>,
                  std::shared_ptr<const GnssEffect>, GravitationField>;
 
-/// The flight in which an effect acts, and the times at which it acts.
+/// The flight in which an effect acts, the times at which it acts, and the scanner that has it.
 struct EffectSite {
   const Flight& flight;
   EffectTimes times{};
+  std::size_t scanner = 0;
 };
 
 /// An effect that the estimator can estimate. Its names, units, components and typical sizes are in
@@ -44,10 +45,18 @@ struct EstimableEffect {
   EffectAction (*make)(const EffectSite& site);
   /// Configured value, SI, of an effect that is a block of every network, estimated or constant.
   /// Null for an effect that is a block only where it is estimated; its configured value is zero.
-  Eigen::VectorXd (*configured)(const FlightConfig& config) = nullptr;
+  Eigen::VectorXd (*configured)(const FlightConfig& config, std::size_t scanner) = nullptr;
 
   const std::string& name() const { return EffectName(id); }
 };
+
+/// Makes the action of an effect. In a flight with several scanners, an effect of the lidar acts on
+/// the readings of its scanner alone. Throws like EstimableEffect::make.
+EffectAction MakeAction(const EstimableEffect& effect, const EffectSite& site);
+
+/// Returns the action of an effect of the lidar on the readings of one scanner alone; every other
+/// action unchanged.
+EffectAction OnScanner(EffectAction action, std::size_t scanner);
 
 /// Returns every fixed effect in the order in which the corrections are applied: the effect that
 /// acts last in the sensor is corrected first.

@@ -20,15 +20,27 @@ struct CalibrationValue {
   Eigen::VectorXd value;
 };
 
+/// The values of the mounting of one scanner.
+struct MountingState {
+  /// Exp(theta), multiplies R_bs_nominal from the left
+  Eigen::Quaterniond q_boresight = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();
+  double time_offset_s = 0.0;
+};
+
 /// All calibration values of a flight. The filter, the preintegrated increments, the factors and
 /// the trajectory between the nodes correct the data with them.
 struct CalibrationState {
-  /// Exp(theta), multiplies R_bs_nominal from the left
+  /// Exp(theta) of the first scanner, multiplies R_bs_nominal from the left
   Eigen::Quaterniond q_boresight = Eigen::Quaterniond::Identity();
   Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();
   double lidar_time_offset_s = 0.0;
-  std::vector<CalibrationValue> effects;  ///< in the order of EstimableEffects
+  std::vector<MountingState> more_scanners;  ///< the mountings of the other scanners
+  std::vector<CalibrationValue> effects;     ///< in the order of EstimableEffects
+
+  /// Returns the mounting of scanner k.
+  MountingState MountingAt(std::size_t k) const;
 
   /// Inserts an effect with its value at its place in the order of EstimableEffects; user-defined
   /// effects come last.

@@ -51,7 +51,7 @@ class PairEdges {
       : context_(context), inertial_(inertial) {}
 
   /// Sets the model of all pairs that are added later. Throws InvalidInput if effects of `estimate`
-  /// act on pairs.
+  /// act on pairs, and if the flight has several scanners.
   void SetModel(PairModel model);
   bool has_model() const { return model_.has_value(); }
   /// Returns the number of blocks that the model appends to every pair; 0 without a model.

@@ -26,12 +26,13 @@ class PairCalibration {
   const LidarEffects& lidar() const { return lidar_; }
 
   /// Returns a reading corrected for the effects on the lidar, without derivatives.
-  LidarReading Read(double tag_s, const Eigen::Vector3d& u_s) const {
-    return Corrected(not_zero_, values_.data(), tag_s, u_s);
+  LidarReading Read(double tag_s, const Eigen::Vector3d& u_s, int scanner) const {
+    return Corrected(not_zero_, values_.data(), tag_s, u_s, scanner);
   }
   /// Returns the emission time of the beam of a reading, s.
   double EmissionTime(const LidarReading& reading) const {
-    return reading.tag_s - (state_.lidar_time_offset_s + reading.delay_s);
+    const MountingState mounting = state_.MountingAt(static_cast<std::size_t>(reading.scanner));
+    return reading.tag_s - (mounting.time_offset_s + reading.delay_s);
   }
 
  private:
@@ -57,6 +58,17 @@ class EndIncrements {
   IncrementalPreintegrator growing_;
 };
 
+/// A laser vector with its time tag and scanner.
+struct LaserShot {
+  double tag_s = 0.0;
+  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
+  int scanner = 0;
+};
+
+/// Return the shots of the two ends of a pair.
+inline LaserShot ShotI(const LidarPair& pair) { return {pair.t_i_s, pair.u_i_s, pair.scanner_i}; }
+inline LaserShot ShotJ(const LidarPair& pair) { return {pair.t_j_s, pair.u_j_s, pair.scanner_j}; }
+
 /// The attachment of one end of a pair to its node.
 struct EndAttachment {
   MapPose node;
@@ -69,17 +81,17 @@ struct EndAttachment {
 
 /// Prepares the end of a laser vector for its factor, and adds the noise of its increments to the
 /// covariance of the point. Throws InvalidInput if the epoch is earlier than the node.
-LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, double tag_s,
-                    const Eigen::Vector3d& u_s, EndAttachment at, Eigen::Matrix3d* covariance_m2);
+LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, const LaserShot& shot,
+                    EndAttachment at, Eigen::Matrix3d* covariance_m2);
 
 /// Prepares a pair for its factor. Throws InvalidInput if an epoch is earlier than its node, or if
 /// the covariance of the pair is not finite and positive definite.
 PreparedPair PreparePair(const Flight& flight, const PairCalibration& calibration,
                          const LidarPair& pair, EndAttachment i, EndAttachment j);
 
-/// Returns the factor of a pair. Without IncrementConditioning and without effects on pairs it is a
-/// PointToPoint. Otherwise it is a PointToPointBetweenNodes with the effects in the order of
-/// PairEffectIndices.
+/// Returns the factor of a pair. Without IncrementConditioning, effects on pairs and a second
+/// scanner it is a PointToPoint. Otherwise it is a PointToPointBetweenNodes with the effects in the
+/// order of PairEffectIndices.
 std::shared_ptr<const FactorBase> MakePairFactor(const LocalFrame& frame,
                                                  const PairCalibration& calibration,
                                                  const PreparedPair& pair);

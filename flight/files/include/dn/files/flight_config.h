@@ -60,8 +60,9 @@ struct PairSelection {
   std::uint64_t seed = 0;
 };
 
-/// Section `lidar`.
+/// Section `lidar`, or one scanner of its list.
 struct LidarConfig {
+  std::string name;  ///< name of the scanner in a list; empty without a list
   std::vector<std::string> p2p{"LiDAR_p2p.txt"};
   double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value; removed on reading
   PairSelection pairs;
@@ -74,6 +75,14 @@ struct LidarConfig {
   std::optional<double> gsd_m;
   double sigma_p_m = 0.0;  ///< as given, or else gsd / 2 / sqrt(3)
   RobustKind robust = RobustKind::kNone;
+};
+
+/// Element of `pairs_between`: pairs whose first end one scanner measured, and another the second.
+struct PairsBetween {
+  std::size_t scanner_i = 0;  ///< indices into the scanners of the flight
+  std::size_t scanner_j = 0;
+  std::vector<std::string> p2p;  ///< glob patterns
+  double sigma_p_m = 0.0;  ///< as given, or else the root mean square of those of the two scanners
 };
 
 /// Section `trajectory`: a given trajectory and its accuracy.
@@ -134,7 +143,9 @@ struct FlightConfig {
   bool strips_crs_stated = false;  ///< false: the headers of the strips may name another system
   std::optional<ImuConfig> imu;    ///< absent: flight.yaml has no section imu
   std::optional<GnssConfig> gnss;
-  std::optional<LidarConfig> lidar;
+  std::optional<LidarConfig> lidar;        ///< the first scanner
+  std::vector<LidarConfig> more_scanners;  ///< the others; see dn/files/scanners.h
+  std::vector<PairsBetween> pairs_between;
   std::optional<TrajectoryConfig> trajectory;
   std::optional<ControlConfig> control;  ///< absent: the defaults
   GhConfig gh;

@@ -15,12 +15,19 @@ namespace dn {
 /// `strips` of its data. Circular links are left out. The list is empty if there is no such folder.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
+/// Returns the point clouds of the scanners of a configuration: those in the folder `strips`, or in
+/// `strips_NAME` for a scanner of a list.
+std::vector<std::filesystem::path> FindStripFiles(const FlightConfig& config);
+
+/// Returns the point clouds of scanner k of a configuration.
+std::vector<std::filesystem::path> FindStripFiles(const FlightConfig& config, std::size_t scanner);
+
 /// Returns the files of FindStripFiles; throws InvalidInput if there are none.
-std::vector<std::filesystem::path> RequireStripFiles(const std::filesystem::path& flight_folder);
+std::vector<std::filesystem::path> RequireStripFiles(const FlightConfig& config);
 
 /// Returns the name of the coordinate system that the headers of all strips of a flight state;
 /// empty if one has none, if they differ, or if one cannot be read.
-std::string FindStripsCrs(const std::filesystem::path& flight_folder);
+std::string FindStripsCrs(const FlightConfig& config);
 
 /// Compares the coordinate system in the header of a strip with strips_crs of flight.yaml. Throws
 /// InvalidConfig if they contradict each other, with the value to write. Returns a note for the
