@@ -99,6 +99,7 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
 
 void MonteCarlo(const MonteCarloArguments& options, Run& run) {
   const Scenario scenario = ReadScenario(options.scenario);
+  ExpectOneScanner(scenario, "dn monte-carlo");
   const Json made_from = {{"scenario", ScenarioText(options.scenario)},
                           {"with_pairs", !options.without_pairs},
                           {"epoch_spacing_s", options.epoch_spacing_s},

@@ -55,7 +55,10 @@ ActiveEffects MakeActiveEffects(const Scenario& scenario, std::uint64_t seed, bo
     int index = 0;
     for (const Effect& effect : scenario.effects) {
       if (effect.name != row.name) continue;
-      const std::string stream = effect.name + " " + std::to_string(index++);
+      std::string stream = effect.name + " " + std::to_string(index++);
+      if (row.sensor == EffectSensor::kLidar && !scenario.lidar.name.empty()) {
+        stream += " " + scenario.lidar.name;
+      }
       if (!noise && row.random()) continue;
       simulated.activate({scenario, effect, ValueInSi(row, effect.value), seed, stream}, &active);
     }

@@ -113,19 +113,30 @@ void WriteGnss(const GnssScenario& gnss, Writer* out) {
   out->Key("processes", "[" + processes + "]");
 }
 
-void WriteLidar(const LidarScenario& lidar, Writer* out) {
+/// Writes the keys of a scanner; `indent` is for those of a list.
+void WriteScanner(const LidarScenario& lidar, const std::string& indent, Writer* out) {
+  out->Key(indent + "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
+  out->Key(indent + "scan_axis", List(lidar.scan_axis_s));
+  out->Key(indent + "nadir_axis", List(lidar.nadir_axis_s));
+  out->Key(indent + "lever_arm_m", List(lidar.mounting.lever_arm_b_m));
+  out->Key(indent + "boresight_deg", List(lidar.mounting.boresight_rad, &FromDeg));
+  out->Key(indent + "fov_deg", Number(lidar.fov_rad, &FromDeg));
+  out->Key(indent + "pattern", FindWord(lidar.pattern, ScanPatternWords()));
+  out->Key(indent + "gsd_m", Number(lidar.gsd_m));
+  out->Key(indent + "pulse_rate_hz", Number(lidar.pulse_rate_hz));
+  out->Key(indent + "beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));
+  out->Key(indent + "sigma_range_m", Number(lidar.sigma_range_m));
+}
+
+void WriteLidar(const Scenario& scenario, Writer* out) {
   out->Section("lidar");
-  out->Key("R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
-  out->Key("scan_axis", List(lidar.scan_axis_s));
-  out->Key("nadir_axis", List(lidar.nadir_axis_s));
-  out->Key("lever_arm_m", List(lidar.mounting.lever_arm_b_m));
-  out->Key("boresight_deg", List(lidar.mounting.boresight_rad, &FromDeg));
-  out->Key("fov_deg", Number(lidar.fov_rad, &FromDeg));
-  out->Key("pattern", FindWord(lidar.pattern, ScanPatternWords()));
-  out->Key("gsd_m", Number(lidar.gsd_m));
-  out->Key("pulse_rate_hz", Number(lidar.pulse_rate_hz));
-  out->Key("beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));
-  out->Key("sigma_range_m", Number(lidar.sigma_range_m));
+  if (scenario.lidar.name.empty()) return WriteScanner(scenario.lidar, "", out);
+  std::vector<LidarScenario> all{scenario.lidar};
+  all.insert(all.end(), scenario.more_scanners.begin(), scenario.more_scanners.end());
+  for (const LidarScenario& lidar : all) {
+    out->Line("- name: " + QuoteYaml(lidar.name));
+    WriteScanner(lidar, "  ", out);
+  }
 }
 
 void WriteEffects(const std::vector<Effect>& effects, Writer* out) {
@@ -133,14 +144,16 @@ void WriteEffects(const std::vector<Effect>& effects, Writer* out) {
   out->Section("effects");
   for (const Effect& effect : effects) {
     std::string text = "- {effect: " + effect.name;
+    if (!effect.scanner.empty()) text += ", scanner: " + QuoteYaml(effect.scanner);
     if (!effect.value.empty()) text += ", value: " + List(effect.value);
     out->Line(text + FormatEffectTimes(effect.times) + "}");
   }
 }
 
-std::string PairText(const PairScenario& pairs) {
+std::string PairText(const PairScenario& pairs, bool several_scanners) {
   std::string text =
       "{count: " + std::to_string(pairs.count) + ", sigma_p_m: " + Number(pairs.sigma_p_m);
+  if (several_scanners) text += ", between: " + std::to_string(pairs.between);
   if (pairs.shared_fraction > 0.0) {
     text += ", shared_error: {fraction: " + Number(pairs.shared_fraction) +
             ", length_m: " + Number(pairs.shared_length_m) + "}";
@@ -168,8 +181,8 @@ std::string FormatScenario(const Scenario& scenario) {
   WriteTerrain(scenario.terrain, &out);
   WriteImu(scenario.imu, &out);
   WriteGnss(scenario.gnss, &out);
-  WriteLidar(scenario.lidar, &out);
-  out.Top("pairs", PairText(scenario.pairs));
+  WriteLidar(scenario, &out);
+  out.Top("pairs", PairText(scenario.pairs, !scenario.more_scanners.empty()));
   if (!scenario.control.empty()) out.Top("control", ControlText(scenario.control));
   out.Top("strips", scenario.strips ? "true" : "false");
   WriteEffects(scenario.effects, &out);

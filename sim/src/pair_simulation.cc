@@ -20,7 +20,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kTrials = 400;  // to estimate the size of an overlap
+constexpr double kLeastBetween_s = 0.5;  // between the epochs of a pair of one strip
+constexpr int kTrials = 400;             // to estimate the size of an overlap
 // Allows for a swath widened by roll.
 constexpr double kExtraAngle_rad = 4.0 * std::numbers::pi / 180.0;
 constexpr double kWidestAngle_rad = 85.0 * std::numbers::pi / 180.0;
@@ -68,9 +69,10 @@ struct Overlap {
   const Strip* j;
   double seen_share = 0.0;  // fraction of the footprint of i
   long count = 0;
+  std::string file = {};
 
   double area_m2() const { return seen_share * i->footprint.area_m2(); }
-  std::string File() const { return "lidar/" + i->interval.name + "_" + j->interval.name + ".txt"; }
+  std::string Strips() const { return i->interval.name + "_" + j->interval.name; }
 };
 
 struct TwoSightings {
@@ -80,8 +82,9 @@ struct TwoSightings {
 
 class PairSampler {
  public:
-  PairSampler(const Scanner& scanner, const Terrain& terrain)
-      : scanner_(scanner), terrain_(terrain) {}
+  /// `scanner_i` and `scanner_j` measure the two ends; they may be the same.
+  PairSampler(const Scanner& scanner_i, const Scanner& scanner_j, const Terrain& terrain)
+      : scanner_i_(scanner_i), scanner_j_(scanner_j), terrain_(terrain) {}
 
   /// Draws a random ground point of the overlap and returns both sightings; nullopt if the draw
   /// fails.
@@ -90,22 +93,24 @@ class PairSampler {
     if (!overlap.j->footprint.Contains(en_m)) return std::nullopt;
     if (terrain_.Water(en_m)) return std::nullopt;
     const Vector3d point_m(en_m.x(), en_m.y(), terrain_.Surface(en_m));
-    const auto from_i = See(point_m, *overlap.i, random);
+    const auto from_i = See(scanner_i_, point_m, *overlap.i, random);
     if (!from_i) return std::nullopt;
-    const auto from_j = See(point_m, *overlap.j, random);
-    if (!from_j) return std::nullopt;
+    const auto from_j = See(scanner_j_, point_m, *overlap.j, random);
+    if (!from_j || std::abs(from_i->t_s - from_j->t_s) < kLeastBetween_s) return std::nullopt;
     return TwoSightings{*from_i, *from_j, en_m};
   }
 
  private:
   /// Returns one sighting of the point from a strip, drawn at random if there are two.
-  std::optional<Sighting> See(const Vector3d& point_m, const Strip& strip, Random& random) const {
-    const auto seen = scanner_.See(point_m, strip.first, strip.last);
+  static std::optional<Sighting> See(const Scanner& scanner, const Vector3d& point_m,
+                                     const Strip& strip, Random& random) {
+    const auto seen = scanner.See(point_m, strip.first, strip.last);
     if (seen.empty()) return std::nullopt;
     return seen.size() == 2 && random.Uniform() < 0.5 ? seen[1] : seen[0];
   }
 
-  const Scanner& scanner_;
+  const Scanner& scanner_i_;
+  const Scanner& scanner_j_;
   const Terrain& terrain_;
 };
 
@@ -122,13 +127,21 @@ std::vector<Strip> Footprints(const Scenario& scenario, const std::vector<StripI
   return strips;
 }
 
-std::vector<Overlap> FindOverlaps(const std::vector<Strip>& strips, const PairSampler& sampler,
-                                  std::uint64_t seed) {
+/// Strips of the first and of the second ends of pairs.
+struct StripLists {
+  std::vector<Strip> i, j;
+  /// The lists belong to two scanners, so that a strip may overlap with itself.
+  bool two_scanners = false;
+};
+
+std::vector<Overlap> FindOverlaps(const StripLists& strips, const PairSampler& sampler,
+                                  std::uint64_t seed, const std::string& folder) {
   std::vector<Overlap> overlaps;
-  for (std::size_t i = 0; i < strips.size(); ++i) {
-    for (std::size_t j = i + 1; j < strips.size(); ++j) {
-      Overlap overlap{&strips[i], &strips[j]};
-      Random random(seed, "overlap " + overlap.File());
+  for (std::size_t i = 0; i < strips.i.size(); ++i) {
+    for (std::size_t j = strips.two_scanners ? 0 : i + 1; j < strips.j.size(); ++j) {
+      Overlap overlap{&strips.i[i], &strips.j[j]};
+      overlap.file = folder + "/" + overlap.Strips() + ".txt";
+      Random random(seed, "overlap " + overlap.file);
       int seen = 0;
       for (int trial = 0; trial < kTrials; ++trial) seen += sampler.Try(overlap, random) ? 1 : 0;
       overlap.seen_share = static_cast<double>(seen) / kTrials;
@@ -164,7 +177,7 @@ void Allocate(std::vector<Overlap>& overlaps, long count) {
 
 std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sampler,
                                std::uint64_t seed) {
-  Random random(seed, "pairs " + overlap.File());
+  Random random(seed, "pairs " + overlap.file);
   std::vector<TwoSightings> drawn;
   while (static_cast<long>(drawn.size()) < overlap.count) {  // ends because some draws succeed
     if (const auto sightings = sampler.Try(overlap, random)) drawn.push_back(*sightings);
@@ -174,115 +187,149 @@ std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sample
   return drawn;
 }
 
-/// Draws the pairs of a flight for a scanner with a given `span`.
+/// Draws the pairs of one scanner or of two, with a given `span`.
 class PairSimulator {
  public:
-  PairSimulator(const Scenario& scenario, const std::vector<StripInterval>& intervals,
+  PairSimulator(const PairSide& i, const PairSide& j, const std::vector<StripInterval>& intervals,
                 const std::shared_ptr<const TruthTrajectory>& truth,
-                const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
-                const ActiveEffects& effects)
-      : scenario_(scenario),
-        strips_(Footprints(scenario, intervals, *truth, *terrain)),
+                const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options)
+      : i_(i),
+        j_(j),
+        strips_{Footprints(i.scenario, intervals, *truth, *terrain),
+                Footprints(j.scenario, intervals, *truth, *terrain), &i.effects != &j.effects},
         truth_(truth),
         terrain_(terrain),
-        options_(options),
-        effects_(effects) {}
+        options_(options) {}
 
   /// Returns pairs with true epochs and measured vectors.
   PairData Run(const LidarSpan& span) const {
-    const Scanner scanner(scenario_.lidar, effects_, span, truth_, terrain_);
-    const PairSampler sampler(scanner, *terrain_);
+    const Scanner scanner_i(i_.scenario.lidar, i_.effects, span, truth_, terrain_);
+    const Scanner scanner_j(j_.scenario.lidar, j_.effects, span, truth_, terrain_);
+    const PairSampler sampler(scanner_i, scanner_j, *terrain_);
     PairData data;
     for (const Overlap& overlap : SharedOut(sampler)) {
       if (overlap.count == 0) continue;
-      Random random(options_.seed, "pair noise " + overlap.File());
+      Random random(options_.seed, "pair noise " + overlap.file);
       const std::optional<SmoothField> shared = SharedErrors(overlap);
       for (const TwoSightings& sightings : Draw(overlap, sampler, options_.seed)) {
         data.pairs.push_back(Measured(sightings, shared, random));
         data.pairs.back().file = static_cast<int>(data.files.size());
       }
-      data.files.emplace_back(overlap.File());
+      data.files.emplace_back(overlap.file);
       if (options_.progress) {
-        options_.progress(static_cast<double>(data.pairs.size()) /
-                          static_cast<double>(scenario_.pairs.count));
+        options_.progress(static_cast<double>(data.pairs.size()) / static_cast<double>(Count()));
       }
     }
     return data;
   }
 
  private:
+  long Count() const {
+    return strips_.two_scanners ? i_.scenario.pairs.between : i_.scenario.pairs.count;
+  }
+
   /// Returns the overlaps sorted by file name, with the number of pairs of each.
   std::vector<Overlap> SharedOut(const PairSampler& sampler) const {
-    std::vector<Overlap> overlaps = FindOverlaps(strips_, sampler, options_.seed);
+    std::vector<Overlap> overlaps = FindOverlaps(strips_, sampler, options_.seed, options_.folder);
     if (overlaps.empty()) {
-      throw NoOverlap("no two strips of scenario '" + scenario_.name +
+      throw NoOverlap("no two strips of scenario '" + i_.scenario.name +
                           "' overlap: move its lines closer together, or set pairs: {count: 0}",
-                      scenario_.pairs.where);
+                      i_.scenario.pairs.where);
     }
-    Allocate(overlaps, scenario_.pairs.count);
+    Allocate(overlaps, Count());
     std::sort(overlaps.begin(), overlaps.end(),
-              [](const Overlap& a, const Overlap& b) { return a.File() < b.File(); });
+              [](const Overlap& a, const Overlap& b) { return a.file < b.file; });
     return overlaps;
   }
 
   /// Returns the errors that neighbouring pairs of an overlap share, in sigmas; nullopt if there
   /// are none.
   std::optional<SmoothField> SharedErrors(const Overlap& overlap) const {
-    if (scenario_.pairs.shared_fraction == 0.0) return std::nullopt;
-    Random random(options_.seed, "shared errors " + overlap.File());
-    return SmoothField(scenario_.pairs.shared_length_m, &random);
+    if (i_.scenario.pairs.shared_fraction == 0.0) return std::nullopt;
+    Random random(options_.seed, "shared errors " + overlap.file);
+    return SmoothField(i_.scenario.pairs.shared_length_m, &random);
   }
 
   /// Returns the standard deviation per coordinate of the difference of a pair.
   double PairSigma(const TwoSightings& sightings) const {
     if (!options_.noise) return 0.0;
     const double mean_range_m = 0.5 * (sightings.i.u_s.norm() + sightings.j.u_s.norm());
-    double sigma_p_m = scenario_.pairs.sigma_p_m;
-    for (const auto& sigma_m : effects_.pair_sigma_m) sigma_p_m = sigma_m(sigma_p_m, mean_range_m);
+    double sigma_p_m = i_.scenario.pairs.sigma_p_m;
+    if (strips_.two_scanners) {
+      sigma_p_m = std::hypot(sigma_p_m, j_.scenario.pairs.sigma_p_m) / std::numbers::sqrt2;
+    }
+    for (const auto& sigma_m : i_.effects.pair_sigma_m)
+      sigma_p_m = sigma_m(sigma_p_m, mean_range_m);
     return sigma_p_m;
   }
 
-  Vector3d Measured(const Sighting& sighting) const {
+  static Vector3d Measured(const Sighting& sighting, const ActiveEffects& effects) {
     Vector3d u_s = sighting.u_s;
-    for (const auto& measured : effects_.laser_vector) u_s = measured(u_s, sighting.t_s);
+    for (const auto& measured : effects.laser_vector) u_s = measured(u_s, sighting.t_s);
     return u_s;
   }
 
   LidarPair Measured(const TwoSightings& sightings, const std::optional<SmoothField>& shared,
                      Random& random) const {
     const double pair_sigma_m = PairSigma(sightings);
-    const double fraction = scenario_.pairs.shared_fraction;
+    const double fraction = i_.scenario.pairs.shared_fraction;
     const double sigma_m = std::sqrt(1.0 - fraction) * pair_sigma_m / std::numbers::sqrt2;
     LidarPair pair;
     pair.t_i_s = sightings.i.t_s;
     pair.t_j_s = sightings.j.t_s;
-    pair.u_i_s = Measured(sightings.i) + sigma_m * random.Normal3();
-    pair.u_j_s = Measured(sightings.j) + sigma_m * random.Normal3();
+    pair.u_i_s = Measured(sightings.i, i_.effects) + sigma_m * random.Normal3();
+    pair.u_j_s = Measured(sightings.j, j_.effects) + sigma_m * random.Normal3();
     if (shared) pair.u_i_s += std::sqrt(fraction) * pair_sigma_m * shared->At(sightings.en_m);
     return pair;
   }
 
-  const Scenario& scenario_;
-  std::vector<Strip> strips_;
+  PairSide i_, j_;
+  StripLists strips_;
   std::shared_ptr<const TruthTrajectory> truth_;
   std::shared_ptr<const Terrain> terrain_;
   const PairSimulation& options_;
-  const ActiveEffects& effects_;
 };
 
-void Finish(const ActiveEffects& effects, PairData* data) {
+/// Shifts the time tags and makes the errors of finished pairs, which are those of the first
+/// scanner.
+void Finish(const PairSide& i, const PairSide& j, PairData* data) {
   const LidarSpan span = LidarEpochSpan(data->pairs);
-  const auto tag = [&](double t_s) {
+  const auto tag = [&](double t_s, const ActiveEffects& effects) {
     double later_s = 0.0;
     for (const auto& shift_s : effects.lidar_tag_shift_s) later_s += shift_s(t_s, span);
     return t_s + later_s;
   };
   for (LidarPair& pair : data->pairs) {
-    pair.t_i_s = tag(pair.t_i_s);
-    pair.t_j_s = tag(pair.t_j_s);
-    for (const auto& spoil : effects.pairs) spoil(&pair);
+    pair.t_i_s = tag(pair.t_i_s, i.effects);
+    pair.t_j_s = tag(pair.t_j_s, j.effects);
+    for (const auto& spoil : i.effects.pairs) spoil(&pair);
   }
-  for (const auto& spoil : effects.all_pairs) spoil(data);
+  for (const auto& spoil : i.effects.all_pairs) spoil(data);
+}
+
+/// Simulates pairs and makes the errors of their tags.
+///
+/// If a boresight varies, the epochs at which a point is seen depend slightly on the span of the
+/// pairs. Since the span depends on these epochs in turn, the computation is iterated.
+PairData SimulateSides(const PairSide& i, const PairSide& j,
+                       const std::vector<StripInterval>& intervals,
+                       const std::shared_ptr<const TruthTrajectory>& truth,
+                       const std::shared_ptr<const Terrain>& terrain,
+                       const PairSimulation& options) {
+  constexpr int kMostRuns = 6;
+  constexpr double kSameSpan_s = 1e-7;
+  const PairSimulator simulator(i, j, intervals, truth, terrain, options);
+  LidarSpan span = LidarEpochSpan(intervals);
+  PairData data = simulator.Run(span);
+  const bool varies = !i.effects.boresight_rad.empty() || !j.effects.boresight_rad.empty();
+  for (int run = 1; run < kMostRuns && varies; ++run) {
+    const LidarSpan drawn = LidarEpochSpan(data.pairs);
+    if (std::abs(drawn.middle_s() - span.middle_s()) < kSameSpan_s) break;
+    span = drawn;
+    data = simulator.Run(span);
+  }
+  Finish(i, j, &data);
+  return data;
 }
 
 }  // namespace
@@ -291,21 +338,16 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
                        const std::shared_ptr<const TruthTrajectory>& truth,
                        const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
                        const ActiveEffects& effects) {
-  // If the boresight varies, the epochs at which a point is seen depend slightly on the span of the
-  // pairs. Since the span depends on these epochs in turn, the computation is iterated.
-  constexpr int kMostRuns = 6;
-  constexpr double kSameSpan_s = 1e-7;
-  const PairSimulator simulator(scenario, intervals, truth, terrain, options, effects);
-  LidarSpan span = LidarEpochSpan(intervals);
-  PairData data = simulator.Run(span);
-  for (int run = 1; run < kMostRuns && !effects.boresight_rad.empty(); ++run) {
-    const LidarSpan drawn = LidarEpochSpan(data.pairs);
-    if (std::abs(drawn.middle_s() - span.middle_s()) < kSameSpan_s) break;
-    span = drawn;
-    data = simulator.Run(span);
-  }
-  Finish(effects, &data);
-  return data;
+  const PairSide side{scenario, effects};
+  return SimulateSides(side, side, intervals, truth, terrain, options);
+}
+
+PairData SimulatePairsBetween(const PairSide& i, const PairSide& j,
+                              const std::vector<StripInterval>& strips,
+                              const std::shared_ptr<const TruthTrajectory>& truth,
+                              const std::shared_ptr<const Terrain>& terrain,
+                              const PairSimulation& options) {
+  return SimulateSides(i, j, strips, truth, terrain, options);
 }
 
 }  // namespace dn

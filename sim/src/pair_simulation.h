@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "active_effects.h"
@@ -20,6 +21,13 @@ struct PairSimulation {
   std::uint64_t seed = 1;
   bool noise = true;
   std::function<void(double fraction)> progress;
+  std::string folder = "lidar";  ///< of the pair files
+};
+
+/// One of the two scanners that measure pairs; both references must outlive the simulation.
+struct PairSide {
+  const Scenario& scenario;  ///< with this scanner alone
+  const ActiveEffects& effects;
 };
 
 /// Simulates correspondences that are distributed uniformly over the overlaps of all strip pairs,
@@ -29,5 +37,14 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
                        const std::shared_ptr<const TruthTrajectory>& truth,
                        const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
                        const ActiveEffects& effects);
+
+/// Simulates `between` correspondences whose first end one scanner measures, and another the
+/// second, in the same way. They are in the overlaps of all strips, also of a strip with itself
+/// where the two scanners see a point at least half a second apart.
+PairData SimulatePairsBetween(const PairSide& i, const PairSide& j,
+                              const std::vector<StripInterval>& strips,
+                              const std::shared_ptr<const TruthTrajectory>& truth,
+                              const std::shared_ptr<const Terrain>& terrain,
+                              const PairSimulation& options);
 
 }  // namespace dn

@@ -175,11 +175,16 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
   return gnss;
 }
 
-LidarScenario ReadLidar(const YamlValue& s) {
-  ExpectMapOrAbsent(
-      s, {"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m", "boresight_deg", "fov_deg",
-          "pattern", "pulse_rate_hz", "gsd_m", "beam_divergence_mrad", "sigma_range_m"});
+/// `name` is that of a scanner in a list; it is empty without a list.
+LidarScenario ReadLidar(const YamlValue& s, const std::string& name) {
+  std::vector<std::string> keys{
+      "R_sensor_to_body", "scan_axis", "nadir_axis",    "lever_arm_m", "boresight_deg",
+      "fov_deg",          "pattern",   "pulse_rate_hz", "gsd_m",       "beam_divergence_mrad",
+      "sigma_range_m"};
+  if (!name.empty()) keys.emplace_back("name");
+  ExpectMapOrAbsent(s, keys);
   LidarScenario lidar;
+  lidar.name = name;
   const ScannerAxes axes = ReadScannerAxes(s, false);
   lidar.mounting.R_bs_nominal = axes.R_bs_nominal;
   lidar.scan_axis_s = axes.scan_axis_s;
@@ -198,11 +203,36 @@ LidarScenario ReadLidar(const YamlValue& s) {
   return lidar;
 }
 
-PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
-  ExpectMapOrAbsent(s, {"count", "sigma_p_m", "shared_error"});
+/// Returns the first scanner; appends the others of a list to `more`.
+LidarScenario ReadScanners(const YamlValue& s, std::vector<LidarScenario>* more) {
+  constexpr std::size_t kMostScanners = 16;
+  if (!s || s.IsMap()) return ReadLidar(s, "");
+  std::vector<std::string> names;
+  std::vector<LidarScenario> all;
+  for (const YamlValue& item : s.List(kMostScanners)) {
+    const std::string name =
+        item["name"] ? ReadName(item["name"]) : std::to_string(names.size() + 1);
+    if (!IsPlainName(name)) {
+      item["name"].Fail("the name '" + name + "' must consist of letters, digits and '-'");
+    }
+    if (HasName(names, name)) item.Fail("two scanners have the name '" + name + "'");
+    names.push_back(name);
+    all.push_back(ReadLidar(item, name));
+  }
+  if (all.empty()) s.Fail("must have at least one scanner");
+  more->assign(all.begin() + 1, all.end());
+  return all.front();
+}
+
+PairScenario ReadPairScenario(const YamlValue& s, double gsd_m, bool several_scanners) {
+  ExpectMapOrAbsent(s, {"count", "between", "sigma_p_m", "shared_error"});
   PairScenario pairs;
   pairs.where = s.where();
   pairs.count = s["count"] ? static_cast<long>(s["count"].Integer(0)) : 3000;
+  if (s["between"] && !several_scanners) s["between"].Fail("needs several scanners under lidar");
+  if (several_scanners) {
+    pairs.between = s["between"] ? static_cast<long>(s["between"].Integer(0)) : pairs.count;
+  }
   pairs.sigma_p_m = ReadPositiveOr(s["sigma_p_m"], gsd_m / 2.0 / std::sqrt(3.0));
   const YamlValue shared = s["shared_error"];
   if (!shared) return pairs;
@@ -228,19 +258,32 @@ ControlScenario ReadControlScenario(const YamlValue& s) {
 
 const EffectSpec& RequireEffect(const YamlValue& name) {
   const EffectSpec* effect = FindEffect(ReadName(name));
-  if (effect == nullptr) {
+  if (effect == nullptr || effect->name != ReadName(name)) {
     name.Fail("unknown effect '" + ReadName(name) + "'; did you mean '" +
               NearestName(ReadName(name), EffectNames()) + "'?");
   }
   return *effect;
 }
 
-Effect ReadEffect(const YamlValue& item) {
-  item.ExpectMap({"effect", "value", "window_s", "t0_s"});
+/// Reads the scanner of an effect of the lidar.
+std::string ReadEffectScanner(const YamlValue& value, const EffectSpec& spec,
+                              const Scenario& scenario) {
+  if (!value) return {};
+  if (spec.sensor != EffectSensor::kLidar) value.Fail("is for effects of the lidar");
+  std::vector<std::string> names{scenario.lidar.name};
+  for (const LidarScenario& lidar : scenario.more_scanners) names.push_back(lidar.name);
+  std::string name = ReadName(value);
+  if (!HasName(names, name)) value.Fail("no scanner under lidar has the name '" + name + "'");
+  return name;
+}
+
+Effect ReadEffect(const YamlValue& item, const Scenario& scenario) {
+  item.ExpectMap({"effect", "scanner", "value", "window_s", "t0_s"});
   const EffectSpec& spec = RequireEffect(item["effect"]);
   Effect effect;
   effect.name = spec.name;
   effect.where = item.where();
+  effect.scanner = ReadEffectScanner(item["scanner"], spec, scenario);
   if (item["value"]) effect.value = ReadNumberList(item["value"]);
   if (const auto fault = ValueFault(spec, effect.value)) item["value"].Fail(*fault);
   effect.times = ReadEffectTimes(item, spec);
@@ -263,12 +306,13 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   scenario.terrain = ReadTerrain(root["terrain"], scenario.strips);
   scenario.imu = ReadImuScenario(root["imu"]);
   scenario.gnss = ReadGnssScenario(root["gnss"]);
-  scenario.lidar = ReadLidar(root["lidar"]);
-  scenario.pairs = ReadPairScenario(root["pairs"], scenario.lidar.gsd_m);
+  scenario.lidar = ReadScanners(root["lidar"], &scenario.more_scanners);
+  scenario.pairs =
+      ReadPairScenario(root["pairs"], scenario.lidar.gsd_m, !scenario.more_scanners.empty());
   scenario.control = ReadControlScenario(root["control"]);
   if (root["effects"]) {
     for (const YamlValue& item : root["effects"].List(kMostEffects)) {
-      scenario.effects.push_back(ReadEffect(item));
+      scenario.effects.push_back(ReadEffect(item, scenario));
     }
   }
   CheckLimits(scenario, [&](const std::string& section, const std::string& key) {

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/geo/text_table.h>
 #include <dn/rotation.h>
 #include <dn/sim/simulate.h>
@@ -124,12 +125,17 @@ FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInte
   return config;
 }
 
+std::vector<std::string> FileNames(const PairData& pairs) {
+  std::vector<std::string> names;
+  for (const auto& file : pairs.files) names.push_back(file.generic_string());
+  return names;
+}
+
+/// `pairs` are those of the scanner alone.
 LidarConfig AssumedLidar(const Scenario& scenario, const std::optional<PairData>& pairs) {
   LidarConfig lidar;
-  if (pairs) {
-    lidar.p2p.clear();
-    for (const auto& file : pairs->files) lidar.p2p.push_back(file.generic_string());
-  }
+  lidar.name = scenario.lidar.name;
+  if (pairs) lidar.p2p = FileNames(*pairs);
   lidar.mounting = scenario.lidar.mounting;
   lidar.mounting.boresight_rad.setZero();
   lidar.scan_axis_s = scenario.lidar.scan_axis_s;
@@ -154,6 +160,81 @@ std::optional<Trajectory> TurnedTrajectory(const ActiveEffects& effects,
 
 }  // namespace
 
+namespace {
+
+/// Simulates the pairs of all scanners, and states the scanners in the assumed model.
+class ScannerSimulator {
+ public:
+  ScannerSimulator(const std::vector<Scenario>& scanners, const std::vector<ActiveEffects>& effects,
+                   const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
+                   SimulatedFlight* out)
+      : scanners_(scanners), effects_(effects), terrain_(terrain), options_(options), out_(*out) {}
+
+  void Run() {
+    FlightConfig& config = out_.flight.config;
+    for (std::size_t k = 0; k < scanners_.size(); ++k) {
+      const std::optional<PairData> pairs = OwnPairs(k);
+      const LidarConfig lidar = AssumedLidar(scanners_[k], pairs);
+      if (k == 0) {
+        config.lidar = lidar;
+      } else {
+        config.more_scanners.push_back(lidar);
+      }
+      if (pairs) Append(*pairs, k, k);
+    }
+    for (std::size_t i = 0; i < scanners_.size(); ++i) {
+      for (std::size_t j = i + 1; j < scanners_.size(); ++j) AddBetween(i, j);
+    }
+    if (!config.lidar->name.empty()) AssignScanners(ScannerNames(config), &config);
+  }
+
+ private:
+  std::optional<PairData> OwnPairs(std::size_t k) const {
+    if (scanners_[k].pairs.count == 0) return std::nullopt;
+    PairSimulation options = options_;
+    const std::string& name = scanners_[k].lidar.name;
+    if (!name.empty()) options.folder = "lidar_" + name;
+    return SimulatePairs(scanners_[k], out_.strips, out_.truth, terrain_, options, effects_[k]);
+  }
+
+  void AddBetween(std::size_t i, std::size_t j) {
+    if (scanners_[i].pairs.between == 0) return;
+    PairSimulation options = options_;
+    options.folder = "lidar_" + scanners_[i].lidar.name + "_" + scanners_[j].lidar.name;
+    const PairData pairs =
+        SimulatePairsBetween({scanners_[i], effects_[i]}, {scanners_[j], effects_[j]}, out_.strips,
+                             out_.truth, terrain_, options);
+    const double sigma_p_m =
+        std::hypot(scanners_[i].pairs.sigma_p_m, scanners_[j].pairs.sigma_p_m) / std::sqrt(2.0);
+    out_.flight.config.pairs_between.push_back({i, j, FileNames(pairs), sigma_p_m});
+    Append(pairs, i, j);
+  }
+
+  /// Appends pairs as ReadFlight does.
+  void Append(PairData data, std::size_t i, std::size_t j) {
+    if (!out_.flight.pairs) out_.flight.pairs.emplace();
+    PairData& all = *out_.flight.pairs;
+    for (LidarPair& pair : data.pairs) {
+      pair.file += static_cast<int>(all.files.size());
+      pair.scanner_i = static_cast<int>(i);
+      pair.scanner_j = static_cast<int>(j);
+      if (i + j == 0 || pair.covariance_m2) continue;
+      const double sigma_m = PairSigma(out_.flight.config, pair);
+      pair.covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+    }
+    all.files.insert(all.files.end(), data.files.begin(), data.files.end());
+    all.pairs.insert(all.pairs.end(), data.pairs.begin(), data.pairs.end());
+  }
+
+  const std::vector<Scenario>& scanners_;
+  const std::vector<ActiveEffects>& effects_;
+  std::shared_ptr<const Terrain> terrain_;
+  const PairSimulation& options_;
+  SimulatedFlight& out_;
+};
+
+}  // namespace
+
 FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed) {
   const FlownPlan flown = Plan(scenario, LocalFrame(scenario.origin), seed, nullptr);
   return {flown.begin_s, flown.begin_s + flown.plan.duration_s, Strips(scenario.plan, flown)};
@@ -170,7 +251,16 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.seed = options.seed;
   out.frame = LocalFrame(scenario.origin);
   out.boresight_rad = scenario.lidar.mounting.boresight_rad;
-  ActiveEffects effects = MakeActiveEffects(scenario, options.seed, options.noise);
+  const std::vector<Scenario> scanners = ScannerScenarios(scenario);
+  std::vector<ActiveEffects> of_scanners;
+  for (const Scenario& one : scanners) {
+    of_scanners.push_back(MakeActiveEffects(one, options.seed, options.noise));
+    if (of_scanners.size() == 1) continue;
+    out.more_boresights_rad.push_back(one.lidar.mounting.boresight_rad);
+    out.more_lever_arms_b_m.push_back(one.lidar.mounting.lever_arm_b_m +
+                                      of_scanners.back().lidar_lever_arm_b_m);
+  }
+  ActiveEffects& effects = of_scanners.front();
   out.gnss_lever_arm_b_m = scenario.gnss.lever_arm_b_m + effects.gnss_lever_arm_b_m;
   out.lidar_lever_arm_b_m = scenario.lidar.mounting.lever_arm_b_m + effects.lidar_lever_arm_b_m;
 
@@ -181,9 +271,12 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.truth = std::make_shared<TruthTrajectory>(
       out.frame, flown.plan.path, flown.disturbance, flown.begin_s,
       flown.begin_s + flown.plan.duration_s, MakeVibration(scenario.plan, options.seed));
-  AddOwnErrors(options.own, out.truth, &effects);
+  for (ActiveEffects& one : of_scanners) AddOwnErrors(options.own, out.truth, &one);
   out.strips = Strips(scenario.plan, flown);
-  if (scenario.strips) CheckPulses(scenario.lidar, Duration(out.strips));
+  if (scenario.strips) {
+    ExpectOneScanner(scenario, "a simulation of point clouds (strips: true)");
+    CheckPulses(scenario.lidar, Duration(out.strips));
+  }
   const auto terrain = std::make_shared<const Terrain>(scenario.terrain);
   CheckClearance(scenario, out.strips, *out.truth, *terrain);
 
@@ -201,10 +294,8 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.flight.trajectory = TurnedTrajectory(effects, *out.flight.reference);
   progress("gnss")(0.0);
   out.flight.gnss = SimulateGnss(scenario.gnss, *out.truth, options.seed, options.noise, effects);
-  if (scenario.pairs.count > 0) {
-    out.flight.pairs = SimulatePairs(scenario, out.strips, out.truth, terrain,
-                                     {options.seed, options.noise, progress("pairs")}, effects);
-  }
+  const PairSimulation pair_options{options.seed, options.noise, progress("pairs")};
+  ScannerSimulator(scanners, of_scanners, terrain, pair_options, &out).Run();
   const LidarSpan span =
       out.flight.pairs ? LidarEpochSpan(out.flight.pairs->pairs) : LidarEpochSpan(out.strips);
   if (!scenario.control.empty() && !out.strips.empty()) {
@@ -215,9 +306,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
     out.clouds = std::make_shared<const SimulatedClouds>(scenario, out.strips, out.truth, effects,
                                                          span, options.seed, options.noise);
   }
-  if (out.flight.pairs || out.clouds) {
-    out.flight.config.lidar = AssumedLidar(scenario, out.flight.pairs);
-  }
+  if (!out.flight.pairs && !out.clouds) out.flight.config.lidar.reset();
   return out;
 }
 

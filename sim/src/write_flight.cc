@@ -116,6 +116,25 @@ std::string ControlText(const Flight& flight, bool checks) {
   return "name, lat, lon, height, sigma_e, sigma_n, sigma_h, t, ux, uy, uz\n" + text;
 }
 
+/// Returns the true mountings of the scanners of a list; empty without a list.
+std::string ScannersText(const SimulatedFlight& simulated) {
+  const Scenario& scenario = simulated.scenario;
+  if (scenario.lidar.name.empty()) return "";
+  const auto line = [](const std::string& name, const Eigen::Vector3d& boresight_rad,
+                       const Eigen::Vector3d& lever_arm_m) {
+    return "  - {name: " + Quoted(name) +
+           ", boresight_deg: " + YamlList(kDegPerRad * boresight_rad) +
+           ", lidar_lever_arm_m: " + YamlList(lever_arm_m) + "}\n";
+  };
+  std::string text = "scanners:\n" + line(scenario.lidar.name, simulated.boresight_rad,
+                                          simulated.lidar_lever_arm_b_m);
+  for (std::size_t k = 0; k < scenario.more_scanners.size(); ++k) {
+    text += line(scenario.more_scanners[k].name, simulated.more_boresights_rad[k],
+                 simulated.more_lever_arms_b_m[k]);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string FormatTruth(const SimulatedFlight& simulated) {
@@ -124,10 +143,12 @@ std::string FormatTruth(const SimulatedFlight& simulated) {
   text += "boresight_deg: " + YamlList(kDegPerRad * simulated.boresight_rad) + "\n";
   text += "gnss_lever_arm_m: " + YamlList(simulated.gnss_lever_arm_b_m) + "\n";
   text += "lidar_lever_arm_m: " + YamlList(simulated.lidar_lever_arm_b_m) + "\n";
+  text += ScannersText(simulated);
   text += "effects:";
   if (simulated.scenario.effects.empty()) return text + " []\n";
   for (const Effect& effect : simulated.scenario.effects) {
     text += "\n  - {effect: " + effect.name;
+    if (!effect.scanner.empty()) text += ", scanner: " + Quoted(effect.scanner);
     if (effect.value.size() == 1) text += ", value: " + FormatDouble(effect.value.front());
     if (effect.value.size() > 1) {
       text += ", value: " + YamlList(effect.value.data(), effect.value.size());

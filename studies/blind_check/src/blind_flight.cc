@@ -25,6 +25,7 @@ BlindContent DrawContent(Random& random) {
 
 Scenario DrawScenario(const std::string& base, Random& random) {
   Scenario scenario = ReadScenario(base);
+  ExpectOneScanner(scenario, "the blind check");
   if (scenario.plan.replay) {
     throw InvalidConfig(
         "scenario '" + base +

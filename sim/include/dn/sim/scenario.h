@@ -91,6 +91,7 @@ enum class ScanPattern {
 
 /// Laser scanner and its mounting.
 struct LidarScenario {
+  std::string name;   ///< name in a list of scanners; empty without a list
   Mounting mounting;  ///< the lever arm is the assumed one, the boresight the true one
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
@@ -105,7 +106,10 @@ struct LidarScenario {
 /// Number and accuracy of the point pairs.
 struct PairScenario {
   long count = 0;
-  double sigma_p_m = 0.0;  ///< per coordinate of the difference of a pair
+  /// Per coordinate of the difference of a pair of the first scanner; those of the others are in
+  /// proportion to their gsd_m.
+  double sigma_p_m = 0.0;
+  long between = 0;  ///< number of pairs between each two scanners; `count` is that of each scanner
   /// Fraction of the variance that neighbouring pairs of two strips share, and the distance at
   /// which their correlation has fallen to exp(-1/2). The shared error is in the sensor frame of
   /// the first strip.
@@ -128,7 +132,8 @@ struct Effect {
   std::string name;           ///< name in EffectTable
   std::vector<double> value;  ///< in the units of EffectTable
   EffectTimes times;
-  FileLocation where;  ///< location of the entry in the scenario
+  FileLocation where;        ///< location of the entry in the scenario
+  std::string scanner = {};  ///< scanner that has it; empty: every scanner
 };
 
 /// Complete input of `dn simulate`: plan, terrain and sensors. Units are SI and radian; the body is
@@ -141,12 +146,19 @@ struct Scenario {
   TerrainScenario terrain;
   ImuScenario imu;
   GnssScenario gnss;
-  LidarScenario lidar;
+  LidarScenario lidar;  ///< the first scanner
+  std::vector<LidarScenario> more_scanners;
   PairScenario pairs;
   ControlScenario control;
   bool strips = false;  ///< true: point clouds are simulated in addition
   std::vector<Effect> effects;
 };
+
+/// Returns one scenario per scanner, with this scanner and its effects alone.
+std::vector<Scenario> ScannerScenarios(const Scenario& scenario);
+
+/// Throws InvalidConfig if the scenario has several scanners; `command` is for the message.
+void ExpectOneScanner(const Scenario& scenario, const std::string& command);
 
 /// Returns the names of the scenarios that come with the program.
 std::vector<std::string> ScenarioNames();

@@ -42,6 +42,9 @@ struct SimulatedFlight {
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();        ///< true value
   Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();   ///< true value
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true value
+  /// True boresights and lever arms of the scanners after the first.
+  std::vector<Eigen::Vector3d> more_boresights_rad;
+  std::vector<Eigen::Vector3d> more_lever_arms_b_m;
   /// True bias of every inertial sample: sum of all processes, mean over the interval.
   std::vector<Eigen::Vector3d> gyro_bias_radps;
   std::vector<Eigen::Vector3d> accel_bias_mps2;
@@ -66,7 +69,8 @@ FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed);
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
 
 /// Adds the files of the flight to `directory`; the caller commits them. They are flight.yaml,
-/// IMU.txt, GPS.txt, lidar/<a>_<b>.txt, control/points.txt, control/checks.txt, reference.out
+/// IMU.txt, GPS.txt, lidar/<a>_<b>.txt (for scanners of a list lidar_<name>/ and, between two of
+/// them, lidar_<name>_<name>/), control/points.txt, control/checks.txt, reference.out
 /// (SBET at the inertial rate) and truth.yaml.
 /// The effect trajectory_attitude_offset adds trajectory.out. Point clouds are not included; see
 /// WriteClouds.
