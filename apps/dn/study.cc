@@ -3,6 +3,7 @@
 #include <dn/diagnosis/gap_output.h>
 #include <dn/diagnosis/limits.h>
 #include <dn/diagnosis/result_files.h>
+#include <dn/files/scanners.h>
 #include <dn/imu/unknown_imu.h>
 #include <dn/names.h>
 #include <dn/report/plot.h>
@@ -66,7 +67,8 @@ StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& d
                              const StudyOptions& study, Run* run) {
   const Solution at_states = SolveAtStates(design, study.design.threads);
   StudyAndLimits result{Study(design, at_states), {}};
-  if (options.no_limits || !result.study.observable()) return result;
+  const bool several = NumScanners(design.flight.config) > 1;
+  if (options.no_limits || several || !result.study.observable()) return result;
   run->progress().Stage("detectability of effects");
   GapOptions gap;
   gap.threads = study.design.threads;

@@ -3,6 +3,7 @@
 #include <dn/builder/flight_nodes.h>
 #include <dn/builder/node_grid.h>
 #include <dn/error.h>
+#include <dn/files/scanners.h>
 #include <dn/rotation.h>
 #include <dn/sim/no_overlap.h>
 #include <dn/sim/simulate.h>
@@ -27,7 +28,10 @@ constexpr std::size_t kFewestGnssEpochs = 3;
 }
 
 void FreeUnknowns(const DesignOptions& options, Flight* flight) {
-  if (!options.estimate.empty()) flight->config.estimate = ParseEstimate(options.estimate);
+  if (options.estimate.empty()) return;
+  FlightConfig& config = flight->config;
+  config.estimate = ParseEstimate(options.estimate);
+  if (NumScanners(config) > 1) AssignScanners(ScannerNames(config), &config);
 }
 
 void LimitNodeRate(double most_hz, Flight* flight) {

@@ -23,7 +23,7 @@ struct Quantity {
 };
 
 std::vector<std::string> ComponentNames(const std::string& unknown, int size) {
-  if (unknown == kBoresight) return AxisNames(kRollPitchYaw);
+  if (IsBoresight({.unknown = unknown})) return AxisNames(kRollPitchYaw);
   if (size == 1) return {""};
   std::vector<std::string> names;
   if (const EffectSpec* effect = FindEffect(unknown)) {

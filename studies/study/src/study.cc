@@ -49,7 +49,11 @@ void FillCounts(const Solution& solution, StudyResult* result) {
 }  // namespace
 
 bool StudyResult::observable() const {
-  return boresight.verdict != Verdict::kNotObservable && unobservable.empty();
+  const bool scanners = std::all_of(mountings.scanners.begin(), mountings.scanners.end(),
+                                    [](const ScannerBoresight& scanner) {
+                                      return scanner.boresight.verdict != Verdict::kNotObservable;
+                                    });
+  return scanners && boresight.verdict != Verdict::kNotObservable && unobservable.empty();
 }
 
 Solution SolveAtStates(const StudyDesign& design, int threads) {
@@ -67,6 +71,7 @@ StudyResult Study(const StudyDesign& design, const Solution& solution) {
   result.source = design.source;
   result.geometry = ComputeGeometry(design);
   result.boresight = solution.PredictedBoresight();
+  result.mountings = solution.PredictedMountings();
   result.correlations = BiasCorrelationOverTime(
       network, marginals, marginals.SolveColumns({network.calibration().boresight().id}));
   result.trajectory = TrajectorySigmas(network, marginals);

@@ -83,29 +83,31 @@ Json StudyJson(const StudyResult& study) {
   for (const StudyDirection& direction : study.weak) {
     weak.push_back(DirectionJson(study, direction));
   }
-  return {{"schema", "dn.study/1"},
-          {"flight", study.name},
-          {"states_from", Word(study.source)},
-          {"observable", study.observable()},
-          {"reasons", UnobservableWords(study)},
-          {"boresight", PredictedBoresightJson(boresight)},
-          {"condition_number", boresight.condition_number},
-          {"correlations",
-           {{"boresight_to_accel_bias", CorrelationJson(boresight.accel_bias)},
-            {"boresight_to_gyro_bias", CorrelationJson(boresight.gyro_bias)}}},
-          {"estimates", UnknownsJson(study.unknowns)},
-          {"trajectory_sigma",
-           {{"rp_deg", study.strips.roll_pitch_rad * kDegPerRad},
-            {"yaw_deg", study.strips.yaw_rad * kDegPerRad},
-            {"position_m", study.strips.position_m}}},
-          {"strips", StripsJson(study.geometry)},
-          {"weak_directions", weak},
-          {"network",
-           {{"nodes", study.nodes},
-            {"parameters", study.parameters},
-            {"imu_epochs", study.imu_epochs},
-            {"gnss_epochs", study.gnss_epochs},
-            {"correspondences", study.pairs}}}};
+  Json json{{"schema", "dn.study/1"},
+            {"flight", study.name},
+            {"states_from", Word(study.source)},
+            {"observable", study.observable()},
+            {"reasons", UnobservableWords(study)},
+            {"boresight", PredictedBoresightJson(boresight)},
+            {"condition_number", boresight.condition_number},
+            {"correlations",
+             {{"boresight_to_accel_bias", CorrelationJson(boresight.accel_bias)},
+              {"boresight_to_gyro_bias", CorrelationJson(boresight.gyro_bias)}}},
+            {"estimates", UnknownsJson(study.unknowns)},
+            {"trajectory_sigma",
+             {{"rp_deg", study.strips.roll_pitch_rad * kDegPerRad},
+              {"yaw_deg", study.strips.yaw_rad * kDegPerRad},
+              {"position_m", study.strips.position_m}}},
+            {"strips", StripsJson(study.geometry)},
+            {"weak_directions", weak},
+            {"network",
+             {{"nodes", study.nodes},
+              {"parameters", study.parameters},
+              {"imu_epochs", study.imu_epochs},
+              {"gnss_epochs", study.gnss_epochs},
+              {"correspondences", study.pairs}}}};
+  AddPredictedScannersJson(study.mountings, &json);
+  return json;
 }
 
 std::string FormatCorrelations(const std::vector<BiasCorrelationAt>& correlations) {

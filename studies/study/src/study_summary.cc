@@ -53,6 +53,23 @@ std::string DirectionLines(const StudyResult& study, const StudyDirection& direc
   return text + "  remedy  " + WrapText(remedy, indent);
 }
 
+/// Returns the predicted sigmas of the scanners after the first, and of every two.
+std::string ScannerLines(const ScannerMountings& mountings) {
+  std::string text;
+  const auto line = [&](const std::string& name, const Eigen::Vector3d& sigma_rad) {
+    const Eigen::Vector3d deg = sigma_rad * kDegPerRad;
+    text += fmt::format("boresight {}, sigma: roll {:.5f}, pitch {:.5f}, yaw {:.5f} deg\n", name,
+                        deg.x(), deg.y(), deg.z());
+  };
+  for (std::size_t k = 1; k < mountings.scanners.size(); ++k) {
+    line("of " + mountings.scanners[k].name, mountings.scanners[k].boresight.sigma_rad());
+  }
+  for (const RelativeMounting& relative : mountings.relative) {
+    line(relative.from + " to " + relative.to, relative.sigma_rad());
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string StudySummary(const StudyResult& study) {
@@ -67,7 +84,7 @@ std::string StudySummary(const StudyResult& study) {
     }
   }
   text += BoresightLines(study.boresight) + ContributionsSummary(study.boresight);
-  text += UnknownLines(study.unknowns);
+  text += ScannerLines(study.mountings) + UnknownLines(study.unknowns);
   text += fmt::format(
       "trajectory on the strips, sigma: roll and pitch {:.5f} deg, yaw {:.5f} deg, position {:.4f} "
       "m\n",

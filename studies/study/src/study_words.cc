@@ -137,6 +137,13 @@ std::string RemedyWords(const StudyResult& study, const StudyDirection& directio
 std::vector<std::string> UnobservableWords(const StudyResult& study) {
   std::vector<std::string> lines;
   if (study.boresight.verdict == Verdict::kNotObservable) lines = Words(study.boresight.reasons);
+  for (std::size_t k = 1; k < study.mountings.scanners.size(); ++k) {
+    const ScannerBoresight& scanner = study.mountings.scanners[k];
+    if (scanner.boresight.verdict != Verdict::kNotObservable) continue;
+    for (const std::string& reason : Words(scanner.boresight.reasons)) {
+      lines.push_back("scanner " + scanner.name + ": " + reason);
+    }
+  }
   for (const Unobservable& unobservable : study.unobservable) lines.push_back(Words(unobservable));
   return lines;
 }

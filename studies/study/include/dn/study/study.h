@@ -85,6 +85,7 @@ struct StudyResult {
   FlightGeometry geometry;
   BoresightResult boresight;  ///< its angles are those of the design; no finding contradicts
   std::vector<StudyUnknown> unknowns;
+  ScannerMountings mountings;              ///< of several scanners
   std::vector<Unobservable> unobservable;  ///< unknowns other than the boresight
   StripSigmas strips;
   std::vector<TrajectorySigma> trajectory;      ///< at the nodes

@@ -1,0 +1,105 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "load_json.h"
+#include "run_program.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing::apps_test {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+constexpr const char* kScannerList =
+    "lidar=[{name: a, R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], scan_axis: [0, 1, 0], "
+    "nadir_axis: [1, 0, 0], boresight_deg: [0.2, 0.03, 0.35], fov_deg: 75, gsd_m: 0.2}, {name: b, "
+    "R_sensor_to_body: [[0.5, 0.8660254037844386, 0], [0, 0, 1], [0.8660254037844386, -0.5, 0]], "
+    "scan_axis: [0, 1, 0], nadir_axis: [1, 0, 0], lever_arm_m: [0.3, 0, 0.1], boresight_deg: "
+    "[-0.4, 0.5, 0.1], fov_deg: 75, gsd_m: 0.2}]";
+
+/// A simulated flight of two scanners, and its calibration.
+class CliScanners : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    const ProgramRun simulated =
+        RunProgram({"simulate", ShortScenario().string(), "--seed", "5", "--out", Path("flight"),
+                    "--set", kScannerList, "--set", "pairs={count: 200, between: 150}"});
+    ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+    run_ = new ProgramRun(RunProgram({"calibrate", Path("flight"), "--out", Path("result")}));
+  }
+  static void TearDownTestSuite() {
+    delete run_;
+    delete folder_;
+  }
+  static std::string Path(const std::string& name) { return (folder_->path() / name).string(); }
+
+  inline static TempFolder* folder_ = nullptr;
+  inline static ProgramRun* run_ = nullptr;
+};
+
+TEST_F(CliScanners, TheResultHasEachAndTheRelativeBoresight) {
+  ASSERT_EQ(run_->exit_code, 0) << run_->err;
+  const Json result = LoadJson(fs::path(Path("result")) / "result.json");
+  ASSERT_EQ(result["scanners"].size(), 2u);
+  EXPECT_EQ(result["scanners"][1]["name"], "b");
+  EXPECT_EQ(result["scanners"][0]["boresight"]["angles_deg"], result["boresight"]["angles_deg"]);
+  const double truth_deg[] = {-0.4, 0.5, 0.1};
+  const Json& b = result["scanners"][1]["boresight"];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double sigma_deg = b["sigma_deg"][i].get<double>();
+    EXPECT_NEAR(b["angles_deg"][i].get<double>(), truth_deg[i], 4.0 * sigma_deg);
+    EXPECT_LT(result["relative_boresight"][0]["sigma_deg"][i].get<double>(), sigma_deg);
+  }
+  EXPECT_THAT(run_->out, HasSubstr("a to b"));
+  EXPECT_THAT(FileContent(fs::path(Path("result")) / "report.html"),
+              HasSubstr("Relative boresight of every two scanners"));
+}
+
+TEST_F(CliScanners, AResolvedConfigurationGivesTheSameResult) {
+  const std::string resolved = Path("result") + "/config.resolved.yaml";
+  EXPECT_THAT(FileContent(resolved), HasSubstr("pairs_between:"));
+  const ProgramRun check = RunProgram({"check", Path("flight")});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+}
+
+TEST_F(CliScanners, OneScannerCanBeSelected) {
+  const ProgramRun run =
+      RunProgram({"calibrate", Path("flight"), "--scanner", "b", "--out", Path("only_b")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json result = LoadJson(fs::path(Path("only_b")) / "result.json");
+  EXPECT_FALSE(result.contains("scanners"));
+  EXPECT_NEAR(result["boresight"]["angles_deg"][1].get<double>(), 0.5, 0.05);
+  EXPECT_THAT(run.out, HasSubstr("0.500000"));  // the truth of this scanner
+}
+
+TEST_F(CliScanners, CommandsForOneSaySo) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"gap", Path("flight"), "--out", Path("gap")},
+      {"match", Path("flight"), "--out", Path("match")},
+      {"georef", Path("flight"), "--out", Path("georef")},
+      {"calibrate", Path("flight"), "--method", "gh", "--out", Path("gh")}};
+  for (const std::vector<std::string>& command : commands) {
+    const ProgramRun run = RunProgram(command);
+    EXPECT_EQ(run.exit_code, 2) << command.front();
+    EXPECT_THAT(run.err, HasSubstr("has 2 scanners (a, b)")) << command.front();
+    EXPECT_THAT(run.err, HasSubstr("add --scanner a")) << command.front();
+  }
+}
+
+TEST_F(CliScanners, AStudyHasTheSigmasOfEach) {
+  const ProgramRun run = RunProgram({"study", Path("flight"), "--out", Path("study")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json study = LoadJson(fs::path(Path("study")) / "study.json");
+  ASSERT_EQ(study["scanners"].size(), 2u);
+  EXPECT_EQ(study["relative_boresight"][0]["sigma_deg"].size(), 3u);
+  EXPECT_FALSE(study["relative_boresight"][0].contains("angles_deg"));
+  EXPECT_THAT(run.out, HasSubstr("boresight a to b, sigma"));
+}
+
+}  // namespace dn::testing::apps_test
