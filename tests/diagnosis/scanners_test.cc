@@ -190,7 +190,8 @@ TEST(ScannersManyRuns, TheRelativeMountingIsWithinItsSigmas) {
   EXPECT_LT(nees_arm, upper);
   const double foretold = std::sqrt(separate_variance / joint_variance);
   EXPECT_GT(foretold, 1.5);
-  // The ratio of two root mean squares over 60 errors has a relative sigma of 13 %; these are three.
+  // The ratio of two root mean squares over 60 errors has a relative sigma of 13 %; the bounds are
+  // three of these.
   const double found = std::sqrt(separate2 / joint2);
   EXPECT_GT(found, 0.6 * foretold);
   EXPECT_LT(found, 1.4 * foretold);

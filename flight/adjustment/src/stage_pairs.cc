@@ -27,7 +27,7 @@ void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
 }
 
 /// Throws InvalidInput if the boresight of one of several scanners is an unknown without pairs.
-void ExpectPairsOfScanners(const FlightNetwork& network) {
+void ExpectScannerPairs(const FlightNetwork& network) {
   const std::vector<ScannerBlocks>& scanners = network.calibration().scanners();
   for (std::size_t k = 0; k < scanners.size(); ++k) {
     const auto measured = [k = static_cast<int>(k)](const PairEdge& edge) {
@@ -57,7 +57,7 @@ void AddPairs(AdjustmentRun& run) {
         "adjustment: the two epochs of every pair lie between the same two nodes; pairs must join "
         "different strips");
   }
-  ExpectPairsOfScanners(run.network());
+  ExpectScannerPairs(run.network());
   run.result().residual_initial_m = run.MeanPairDifference();
   if (!run.flight().control) return;
   run.network().AddControl(*run.flight().control);
