@@ -1,8 +1,10 @@
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <dn/imu/imu_data.h>
+#include <dn/imu/imu_rows.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -28,11 +30,6 @@ constexpr double kHighestValue = 1e6;
 /// Inertial sensors are faster than this.
 constexpr double kLongestUsualInterval_s = 1.0;
 
-struct Row {
-  double t_s;
-  Vector3d w, f;
-};
-
 Vector3d ToBody(const Vector3d& v, double unit, const ImuReadOptions& options) {
   return options.R_imu_to_body.isIdentity(0.0) ? Vector3d(unit * v)
                                                : Vector3d(options.R_imu_to_body * (unit * v));
@@ -44,8 +41,8 @@ Vector3d ToBody(const Vector3d& v, double unit, const ImuReadOptions& options) {
                      where);
 }
 
-std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOptions& options,
-                          long* repeated_rows_dropped) {
+std::vector<ImuRow> ReadRows(const std::filesystem::path& file, const ImuReadOptions& options,
+                             long* repeated_rows_dropped) {
   std::vector<std::size_t> columns{7};
   if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // an odometer, not used
   TextTable table = options.columns.empty()
@@ -53,7 +50,7 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
                         : ReadNamedColumns(file, options.columns, ImuQuantities());
   std::vector<std::size_t> keep;
   *repeated_rows_dropped = ContinueAndCheckTimes(table, keep, options.time_offset_s);
-  std::vector<Row> rows;
+  std::vector<ImuRow> rows;
   rows.reserve(keep.size());
   for (const std::size_t i : keep) {
     const double* x = table.row(i);
@@ -81,7 +78,7 @@ struct Intervals {
 
 /// Estimates the usual interval as the mean of the steps up to 1.75 medians, which have no lost
 /// row. The median alone would differ from the mean if tags are rounded to a coarse clock.
-Intervals FindIntervals(const std::vector<Row>& rows, std::optional<double> max_gap_s) {
+Intervals FindIntervals(const std::vector<ImuRow>& rows, std::optional<double> max_gap_s) {
   constexpr double kEvenShare = 0.8, kNear = 0.25;
   std::vector<double> dt(rows.size() - 1);
   for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
@@ -112,24 +109,24 @@ void CheckInterval(double nominal_dt_s, const FileLocation& where) {
 
 /// Returns the sample that ends at row i, over its own interval. This is the step from the row
 /// before; at the first row (i = 0) and after a hole it is the usual interval.
-ImuSample Sample(const std::vector<Row>& rows, std::size_t i, const Intervals& intervals,
+ImuSample Sample(const std::vector<ImuRow>& rows, std::size_t i, const Intervals& intervals,
                  const ImuReadOptions& options) {
-  const Row& row = rows[i];
+  const ImuRow& row = rows[i];
   const double since_last_s = i == 0 ? 0.0 : row.t_s - rows[i - 1].t_s;
   const bool adjoins = i > 0 && since_last_s <= intervals.longest_s;
   const double dt_s = adjoins ? since_last_s : intervals.nominal_s;
   if (options.format == ImuFormat::kIncrements) {
-    return {row.t_s, dt_s, row.w / dt_s, row.f / dt_s};
+    return {row.t_s, dt_s, row.w_ib_b_radps / dt_s, row.f_b_mps2 / dt_s};
   }
   const bool joined =
       i > 0 && since_last_s <= LongestImuBridge(options.max_gap_s, intervals.nominal_s);
   if (options.sampling == ImuSampling::kInstantaneous && joined) {
     // Weight of row i - 1 at the middle of the interval.
     const double back = 0.5 * dt_s / since_last_s;
-    return {row.t_s, dt_s, row.w + back * (rows[i - 1].w - row.w),
-            row.f + back * (rows[i - 1].f - row.f)};
+    return {row.t_s, dt_s, row.w_ib_b_radps + back * (rows[i - 1].w_ib_b_radps - row.w_ib_b_radps),
+            row.f_b_mps2 + back * (rows[i - 1].f_b_mps2 - row.f_b_mps2)};
   }
-  return {row.t_s, dt_s, row.w, row.f};
+  return {row.t_s, dt_s, row.w_ib_b_radps, row.f_b_mps2};
 }
 
 std::string Rounded(double value) {
@@ -177,9 +174,10 @@ const std::vector<std::string>& ImuQuantities() {
   return quantities;
 }
 
-ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
+ImuData MakeImuData(const std::vector<ImuRow>& rows, const ImuReadOptions& options,
+                    const std::filesystem::path& file) {
+  assert(rows.size() >= 2);
   ImuData imu;
-  const std::vector<Row> rows = ReadRows(file, options, &imu.repeated_rows_dropped);
   const Intervals intervals = FindIntervals(rows, options.max_gap_s);
   imu.nominal_dt_s = intervals.nominal_s;
   imu.uneven = intervals.uneven;
@@ -192,7 +190,9 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
       ++imu.rows_outside_span;
     } else if (i > 0 || first_is_a_sample) {
       imu.samples.push_back(Sample(rows, i, intervals, options));
-      if (i > 0 && rows[i].w == rows[i - 1].w && rows[i].f == rows[i - 1].f) ++imu.repeated_values;
+      if (i > 0 && rows[i].w_ib_b_radps == rows[i - 1].w_ib_b_radps &&
+          rows[i].f_b_mps2 == rows[i - 1].f_b_mps2)
+        ++imu.repeated_values;
     }
   }
   if (imu.samples.empty()) {
@@ -204,6 +204,14 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
   }
   CloseShortHoles(options.max_gap_s, &imu);
   CheckUnits(imu, file);
+  return imu;
+}
+
+ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
+  long repeated_rows_dropped = 0;
+  const std::vector<ImuRow> rows = ReadRows(file, options, &repeated_rows_dropped);
+  ImuData imu = MakeImuData(rows, options, file);
+  imu.repeated_rows_dropped = repeated_rows_dropped;
   return imu;
 }
 

@@ -56,7 +56,11 @@ std::string Turbulence(const TurbulenceScenario& t) {
   return "{roll_deg: " + Number(t.roll_rad, &FromDeg) +
          ", pitch_deg: " + Number(t.pitch_rad, &FromDeg) +
          ", heading_deg: " + Number(t.heading_rad, &FromDeg) +
-         ", speed_m_s: " + Number(t.speed_mps) + ", height_m: " + Number(t.height_m) + "}";
+         ", speed_m_s: " + Number(t.speed_mps) + ", height_m: " + Number(t.height_m) +
+         ", spectrum: " + FindWord(t.spectrum, TurbulenceWords()) +
+         (t.spectrum == TurbulenceSpectrum::kDryden ? ", wingspan_m: " + Number(t.wingspan_m)
+                                                    : "") +
+         "}";
 }
 
 std::string Row(const PlannedLine& line) {
@@ -95,6 +99,8 @@ void WriteTerrain(const TerrainScenario& terrain, Writer* out) {
 void WriteImu(const ImuScenario& imu, Writer* out) {
   out->Section("imu");
   out->Key("rate_hz", Number(imu.rate_hz));
+  out->Key("sampling", FindWord(imu.sampling, SamplingWords()));
+  if (imu.filter_hz) out->Key("filter_hz", Number(*imu.filter_hz));
   if (imu.preset) return out->Key("preset", QuoteYaml(*imu.preset));
   out->Key("gyro", FormatGyroNoise(imu.model.gyro));
   out->Key("accel", FormatAccelNoise(imu.model.accel));

@@ -1,5 +1,6 @@
 #include "imu_simulation.h"
 
+#include <dn/error.h>
 #include <dn/sim/error_process.h>
 #include <dn/sim/random.h>
 
@@ -8,6 +9,7 @@
 #include <string>
 
 #include "imu_tags.h"
+#include "sensor_sampling.h"
 
 namespace dn {
 namespace {
@@ -15,83 +17,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr long kProgressSamples = 20000;
-
-/// Returns the specific force with the actual gravity instead of the normal one.
-Vector3d ActualForce(const TruthState& state, const LocalFrame& frame,
-                     const ActiveEffects& effects) {
-  Vector3d f_b = state.f_b;
-  for (const auto& gravity_m : effects.gravity_m) {
-    f_b -= state.pose.q_mb.conjugate() * gravity_m(state.pose.p_mb, frame);
-  }
-  return f_b;
-}
-
-/// State, with the Earth at its position.
-struct Place {
-  Place(const TruthTrajectory& truth, double t_s) : state(truth.State(t_s, &earth)) {}
-
-  NormalEarth earth;
-  TruthState state;
-};
-
-/// Rate and specific force of ideal sensors.
-struct RateAndForce {
-  Vector3d w_ib_b = Vector3d::Zero();
-  Vector3d f_b = Vector3d::Zero();
-
-  RateAndForce& operator+=(const RateAndForce& other) {
-    w_ib_b += other.w_ib_b;
-    f_b += other.f_b;
-    return *this;
-  }
-};
-
-/// Computes mean rate and force between two states by Gauss-Lobatto quadrature with four points,
-/// two of them at the ends. It is exact for polynomials of degree five, like Gauss-Legendre
-/// quadrature with three points. Vibration makes the interval consist of several equal parts.
-class MeanBetween {
- public:
-  MeanBetween(const TruthTrajectory& truth, const ActiveEffects& effects, double interval_s)
-      : truth_(truth),
-        effects_(effects),
-        parts_(std::max(
-            1, static_cast<int>(std::ceil(kPartsPerPeriod * interval_s * truth.vibration_hz())))) {}
-
-  void operator()(const Place& from, const Place& to, ImuSample* sample) const {
-    const double begin_s = from.state.pose.t_s, end_s = to.state.pose.t_s;
-    const double part_s = (end_s - begin_s) / parts_;
-    RateAndForce sum, before = Measured(from.state);
-    for (int k = 0; k < parts_; ++k) {
-      const bool is_last = k + 1 == parts_;
-      const double from_s = begin_s + k * part_s, to_s = is_last ? end_s : from_s + part_s;
-      const double middle_s = 0.5 * (from_s + to_s), half_s = 0.5 * (to_s - from_s);
-      const auto at = [&](double t_s) {
-        return Measured(truth_.StateBetween(from.earth, to.earth, t_s));
-      };
-      const RateAndForce early = at(middle_s - kNode * half_s),
-                         late = at(middle_s + kNode * half_s);
-      const RateAndForce after = is_last ? Measured(to.state) : at(to_s);
-      sum += {(before.w_ib_b + after.w_ib_b + 5.0 * (early.w_ib_b + late.w_ib_b)) / 12.0,
-              (before.f_b + after.f_b + 5.0 * (early.f_b + late.f_b)) / 12.0};
-      before = after;
-    }
-    sample->w_ib_b_radps = sum.w_ib_b / parts_;
-    sample->f_b_mps2 = sum.f_b / parts_;
-  }
-
- private:
-  static constexpr double kNode = 0.44721359549995794;  // 1 / sqrt(5)
-  // Two parts per period of the fastest vibration: the relative error of the mean is below 1e-3.
-  static constexpr double kPartsPerPeriod = 2.0;
-
-  RateAndForce Measured(const TruthState& state) const {
-    return {state.w_ib_b, ActualForce(state, truth_.frame(), effects_)};
-  }
-
-  const TruthTrajectory& truth_;
-  const ActiveEffects& effects_;
-  int parts_;
-};
 
 /// Simulates white noise and assumed bias processes of a triad.
 class TriadErrors {
@@ -136,7 +61,32 @@ void DescribeIntervals(ImuData& data, double nominal_dt_s) {
   }
 }
 
+/// Replaces the samples, which are values at their times, by what a reader makes of such rows.
+void TakeAsPointSamples(SimulatedImu* imu) {
+  imu->rows = ImuRows(imu->data);
+  if (imu->rows.size() < 2) throw InvalidConfig("imu: too few inertial samples remain");
+  imu->data = MakeImuData(imu->rows, {.sampling = ImuSampling::kInstantaneous}, "IMU.txt");
+  for (auto* biases : {&imu->gyro_bias_radps, &imu->accel_bias_mps2}) {
+    for (std::size_t k = 1; k < biases->size(); ++k) {
+      (*biases)[k - 1] = 0.5 * ((*biases)[k - 1] + (*biases)[k]);
+    }
+    biases->resize(imu->data.samples.size());
+  }
+}
+
 }  // namespace
+
+std::vector<ImuRow> ImuRows(const ImuData& imu) {
+  std::vector<ImuRow> rows;
+  rows.reserve(imu.samples.size());
+  auto bridge = imu.bridges.begin();
+  for (const ImuSample& sample : imu.samples) {
+    const bool bridges = bridge != imu.bridges.end() && bridge->row.t_s == sample.t_s;
+    const ImuSample& row = bridges ? (bridge++)->row : sample;
+    rows.push_back({row.t_s, row.w_ib_b_radps, row.f_b_mps2});
+  }
+  return rows;
+}
 
 SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
                          const ImuSimulation& options, const ActiveEffects& effects) {
@@ -154,7 +104,7 @@ SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
   out.gyro_bias_radps.assign(out.data.samples.size(), Vector3d::Zero());
   out.accel_bias_mps2.assign(out.data.samples.size(), Vector3d::Zero());
   out.reference.reserve(out.data.samples.size() + 1);
-  const MeanBetween set_means(truth, effects, dt_s);
+  SensorSampling set_values(imu, truth, effects);
   Place begin(truth, tag_s(0));
   out.reference.push_back(ToNavPoint(begin.state, begin.earth));
   for (long k = 1; k <= count; ++k) {
@@ -162,7 +112,7 @@ SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
     ImuSample& sample = out.data.samples[i];
     sample.t_s = tag_s(k);
     const Place end(truth, sample.t_s);
-    set_means(begin, end, &sample);
+    set_values(begin, end, &sample);
     out.reference.push_back(ToNavPoint(end.state, end.earth));
     begin = end;
     const ImuSample exact = sample;
@@ -180,6 +130,7 @@ SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
   }
   DescribeIntervals(out.data, dt_s);
   ApplyImuTagEffects(effects, &out);
+  if (imu.sampling == ImuSampling::kInstantaneous) TakeAsPointSamples(&out);
   return out;
 }
 

@@ -26,6 +26,9 @@ constexpr double kSlowness = 3.0;
 // Frequencies of a resonance relative to its peak, as far as it is simulated.
 constexpr double kResonanceLow = 0.25, kResonanceHigh = 3.0;
 constexpr int kResonanceGrid = 4000;
+// Fast turbulence has six tones per octave.
+constexpr double kTurbulenceBand = 2.0;
+constexpr int kTurbulenceTones = 6;
 
 /// Returns count + 1 frequencies that divide the power of a resonance into equal parts.
 std::vector<double> EqualPowerEdges(const VibrationResonance& resonance, int count) {
@@ -51,6 +54,23 @@ std::vector<double> EqualEdges(const VibrationBand& band, int count) {
     edges_hz.push_back(band.low_hz + (band.high_hz - band.low_hz) * k / count);
   }
   return edges_hz;
+}
+
+double MiddleHz(const std::vector<double>& edges_hz, std::size_t k) {
+  return 0.5 * (edges_hz[k] + edges_hz[k + 1]);
+}
+
+/// Returns the motion by gusts between two frequencies. The body moves along its path with the
+/// speed, and downward with the height.
+VibrationLevel GustLevel(const DrydenTurbulence& turbulence, bool stabilised, double low_hz,
+                         double high_hz) {
+  const double rate_radps = kTwoPi * 0.5 * (low_hz + high_hz);
+  const auto rms = [&](GustMotion motion) { return turbulence.Rms(motion, low_hz, high_hz); };
+  const double level = stabilised ? 0.0 : 1.0;
+  return {
+      {rate_radps * rms(GustMotion::kSpeed), 0.0,
+       rate_radps * rate_radps * rms(GustMotion::kHeight)},
+      {level * rms(GustMotion::kRoll), level * rms(GustMotion::kPitch), rms(GustMotion::kHeading)}};
 }
 
 }  // namespace
@@ -103,26 +123,52 @@ void PlatformVibration::AddLine(const VibrationLine& line, Random& random) {
 void PlatformVibration::AddContinuum(const std::vector<double>& edges_hz,
                                      const VibrationLevel& level, Random& random) {
   const std::size_t count = edges_hz.size() - 1;
+  // The angular accelerations of all tones are equal.
+  double angle_power = 0.0;
+  for (std::size_t k = 0; k < count; ++k) angle_power += std::pow(MiddleHz(edges_hz, k), -4);
+  std::vector<VibrationLevel> levels;
+  for (std::size_t k = 0; k < count; ++k) {
+    levels.push_back(
+        {level.accel_mps2 / std::sqrt(static_cast<double>(count)),
+         level.angle_rad * std::pow(MiddleHz(edges_hz, k), -2) / std::sqrt(angle_power)});
+  }
+  AddTones(edges_hz, levels, random);
+}
+
+void PlatformVibration::AddTones(const std::vector<double>& edges_hz,
+                                 const std::vector<VibrationLevel>& levels, Random& random) {
   const double half_width_hz =
-      0.5 * (edges_hz.back() - edges_hz.front()) / static_cast<double>(count);
+      0.5 * (edges_hz.back() - edges_hz.front()) / static_cast<double>(levels.size());
   std::vector<std::size_t> wanders;
   for (std::size_t k = 0; k < kContinuumWanders; ++k) {
     const double slow_hz = half_width_hz / kSlowness;
     wanders.push_back(AddWander(kTwoPi * half_width_hz, 0.5 * slow_hz, slow_hz, random));
   }
-  const auto middle_hz = [&](std::size_t k) { return 0.5 * (edges_hz[k] + edges_hz[k + 1]); };
-  // The angular accelerations of all tones are equal.
-  double angle_power = 0.0;
-  for (std::size_t k = 0; k < count; ++k) angle_power += std::pow(middle_hz(k), -4);
-  for (std::size_t k = 0; k < count; ++k) {
-    const VibrationLevel share{
-        level.accel_mps2 / std::sqrt(static_cast<double>(count)),
-        level.angle_rad * std::pow(middle_hz(k), -2) / std::sqrt(angle_power)};
+  for (std::size_t k = 0; k < levels.size(); ++k) {
     const double half_hz = 0.5 * (edges_hz[k + 1] - edges_hz[k]);
-    AddTone(middle_hz(k), share, wanders[k % kContinuumWanders],
+    AddTone(MiddleHz(edges_hz, k), levels[k], wanders[k % kContinuumWanders],
             half_hz / half_width_hz / std::numbers::sqrt2, random);
   }
   highest_hz_ = std::max(highest_hz_, edges_hz.back());
+}
+
+void PlatformVibration::AddTurbulence(const DrydenTurbulence& turbulence, bool stabilised,
+                                      std::uint64_t seed) {
+  Random random(seed, "fast turbulence");
+  double low_hz = DrydenTurbulence::kSplit_hz;
+  while (low_hz < turbulence.top_hz()) {
+    const double high_hz = std::min(kTurbulenceBand * low_hz, turbulence.top_hz());
+    std::vector<double> edges_hz;
+    for (int k = 0; k <= kTurbulenceTones; ++k) {
+      edges_hz.push_back(low_hz + (high_hz - low_hz) * k / kTurbulenceTones);
+    }
+    std::vector<VibrationLevel> levels;
+    for (int k = 0; k < kTurbulenceTones; ++k) {
+      levels.push_back(GustLevel(turbulence, stabilised, edges_hz[k], edges_hz[k + 1]));
+    }
+    AddTones(edges_hz, levels, random);
+    low_hz = high_hz;
+  }
 }
 
 PlatformVibration::Sample PlatformVibration::At(double t_s) const {

@@ -2,6 +2,7 @@
 
 #include <dn/eigen_alignment.h>
 #include <dn/sim/disturbance.h>
+#include <dn/sim/dryden.h>
 #include <dn/sim/vibration.h>
 
 #include <Eigen/Core>
@@ -10,7 +11,8 @@
 
 namespace dn {
 
-/// Displacement and rotation of the body by vibration, with derivatives in closed form. Times are
+/// Displacement and rotation of the body by vibration and fast turbulence, with derivatives in
+/// closed form. Times are
 /// in seconds since the start of the flight. All parts are sums of sinusoids with slowly wandering
 /// frequencies.
 class PlatformVibration {
@@ -27,6 +29,10 @@ class PlatformVibration {
 
   /// Draws phases and wandering frequencies.
   PlatformVibration(const VibrationScenario& scenario, std::uint64_t seed);
+
+  /// Adds the part of the turbulence above DrydenTurbulence::kSplit_hz, as motion along the body's
+  /// axes. A stabilised body does not roll or pitch with it.
+  void AddTurbulence(const DrydenTurbulence& turbulence, bool stabilised, std::uint64_t seed);
 
   bool empty() const { return tones_.empty(); }
   /// Returns the highest frequency of all sinusoids; 0 without vibration.
@@ -50,10 +56,13 @@ class PlatformVibration {
   void AddTone(double frequency_hz, const VibrationLevel& level, std::size_t wander,
                double wander_share, Random& random);
   void AddLine(const VibrationLine& line, Random& random);
-  /// Adds tones of equal power. Tone i is between edges_hz[i] and edges_hz[i + 1] and wanders
-  /// between them.
+  /// Adds tones of equal power to the continuum between the edges.
   void AddContinuum(const std::vector<double>& edges_hz, const VibrationLevel& level,
                     Random& random);
+  /// Adds tones with the given levels. Tone i is between edges_hz[i] and edges_hz[i + 1] and
+  /// wanders between them.
+  void AddTones(const std::vector<double>& edges_hz, const std::vector<VibrationLevel>& levels,
+                Random& random);
 
   std::vector<SumOfSines> wander_rad_;
   std::vector<Tone> tones_;

@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kSecondsPerWeek = 604800.0;
 constexpr double kMostWater = 0.9;
+constexpr double kSmallestSpan_m = 0.3, kLargestSpan_m = 100.0;
+// A slower filter would not pass the motion of the platform.
+constexpr double kSlowestFilter_hz = 2.0;
 constexpr std::size_t kMostLines = 1000;
 constexpr std::size_t kMostEffects = 100;
 
@@ -39,13 +42,22 @@ PlannedLine ReadPlannedLine(const YamlValue& item) {
 }
 
 TurbulenceScenario ReadTurbulence(const YamlValue& s) {
-  ExpectMapOrAbsent(s, {"roll_deg", "pitch_deg", "heading_deg", "speed_m_s", "height_m"});
+  ExpectMapOrAbsent(s, {"roll_deg", "pitch_deg", "heading_deg", "speed_m_s", "height_m", "spectrum",
+                        "wingspan_m"});
   TurbulenceScenario t;
   t.roll_rad = ReadNotNegativeOr(s["roll_deg"], 0.0) * kRadPerDeg;
   t.pitch_rad = ReadNotNegativeOr(s["pitch_deg"], 0.0) * kRadPerDeg;
   t.heading_rad = ReadNotNegativeOr(s["heading_deg"], 0.0) * kRadPerDeg;
   t.speed_mps = ReadNotNegativeOr(s["speed_m_s"], 0.0);
   t.height_m = ReadNotNegativeOr(s["height_m"], 0.0);
+  if (s["spectrum"]) t.spectrum = s["spectrum"].Choice(TurbulenceWords());
+  t.wingspan_m = ReadPositiveOr(s["wingspan_m"], 10.0);
+  if (t.wingspan_m < kSmallestSpan_m || t.wingspan_m > kLargestSpan_m) {
+    s["wingspan_m"].Fail("must lie between 0.3 and 100");
+  }
+  if (s["wingspan_m"] && t.spectrum != TurbulenceSpectrum::kDryden) {
+    s["wingspan_m"].Fail("is only allowed with spectrum: dryden");
+  }
   return t;
 }
 
@@ -154,11 +166,17 @@ TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
 }
 
 ImuScenario ReadImuScenario(const YamlValue& s) {
-  ExpectMapOrAbsent(s, {"rate_hz", "preset", "gyro", "accel"});
+  ExpectMapOrAbsent(s, {"rate_hz", "preset", "gyro", "accel", "sampling", "filter_hz"});
   ImuScenario imu;
   imu.rate_hz = ReadPositiveOr(s["rate_hz"], 200.0);
   if (imu.rate_hz < 10.0 || imu.rate_hz > 2000.0) s["rate_hz"].Fail("must lie between 10 and 2000");
   imu.model = ReadImuNoise(s, "preset");
+  if (s["sampling"]) imu.sampling = s["sampling"].Choice(SamplingWords());
+  if (s["filter_hz"]) imu.filter_hz = s["filter_hz"].Number();
+  if (imu.filter_hz.value_or(imu.rate_hz) < kSlowestFilter_hz ||
+      imu.filter_hz.value_or(0.0) > imu.rate_hz) {
+    s["filter_hz"].Fail("must lie between 2 Hz and rate_hz");
+  }
   if (s["preset"] && !s["gyro"] && !s["accel"]) imu.preset = ReadName(s["preset"]);
   return imu;
 }

@@ -27,4 +27,16 @@ inline const ScenarioWords<ScanPattern>& ScanPatternWords() {
   return words;
 }
 
+inline const ScenarioWords<TurbulenceSpectrum>& TurbulenceWords() {
+  static const ScenarioWords<TurbulenceSpectrum> words{{"smooth", TurbulenceSpectrum::kSmooth},
+                                                       {"dryden", TurbulenceSpectrum::kDryden}};
+  return words;
+}
+
+inline const ScenarioWords<ImuSampling>& SamplingWords() {
+  static const ScenarioWords<ImuSampling> words{{"mean", ImuSampling::kMean},
+                                                {"instantaneous", ImuSampling::kInstantaneous}};
+  return words;
+}
+
 }  // namespace dn

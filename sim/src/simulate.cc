@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "active_effects.h"
@@ -31,10 +33,24 @@ struct FlownPlan {
   FlightPlan plan;
   double begin_s;
   Disturbance disturbance;
+  std::optional<DrydenTurbulence> dryden;
 };
 
 FlownPlan Replay(const Trajectory& trajectory, const LocalFrame& frame) {
-  return {ReplayFlight(trajectory, frame), trajectory.t_begin_s() + kReplayMargin_s, {}};
+  return {ReplayFlight(trajectory, frame), trajectory.t_begin_s() + kReplayMargin_s, {}, {}};
+}
+
+/// Returns the turbulence of a plan with Dryden's spectra; nullopt with another one. The heights of
+/// the lines refer to the mean ground.
+std::optional<DrydenTurbulence> Dryden(const Scenario& scenario, double mean_speed_mps) {
+  const TurbulenceScenario& turbulence = scenario.plan.turbulence;
+  if (turbulence.spectrum != TurbulenceSpectrum::kDryden) return std::nullopt;
+  double height_m = 0.0;
+  for (const PlannedLine& line : scenario.plan.lines) height_m += line.height_m;
+  height_m = height_m / static_cast<double>(scenario.plan.lines.size()) - scenario.terrain.base_m;
+  return DrydenTurbulence(turbulence,
+                          DrydenGusts::At(height_m, mean_speed_mps, turbulence.wingspan_m),
+                          scenario.imu.rate_hz);
 }
 
 FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t seed,
@@ -42,16 +58,20 @@ FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t 
   if (replay != nullptr) return Replay(*replay, frame);
   if (scenario.plan.replay) return Replay(ReadTrajectory(*scenario.plan.replay), frame);
   FlightPlan plan = PlanFlight(scenario.plan);
-  Disturbance disturbance = MakeDisturbance(scenario.plan.turbulence, plan.mean_speed_mps,
-                                            scenario.plan.stabilised_mount, seed);
-  return {std::move(plan), scenario.start_s, std::move(disturbance)};
+  const auto dryden = Dryden(scenario, plan.mean_speed_mps);
+  Disturbance disturbance =
+      MakeDisturbance(scenario.plan.turbulence, plan.mean_speed_mps, scenario.plan.stabilised_mount,
+                      seed, dryden ? &*dryden : nullptr);
+  return {std::move(plan), scenario.start_s, std::move(disturbance), dryden};
 }
 
-/// Returns null without vibration.
-std::shared_ptr<const PlatformVibration> MakeVibration(const PlanScenario& plan,
-                                                       std::uint64_t seed) {
-  if (plan.vibration.empty()) return nullptr;
-  return std::make_shared<const PlatformVibration>(plan.vibration, seed);
+/// Returns null without vibration and fast turbulence.
+std::shared_ptr<const PlatformVibration> MakeVibration(
+    const PlanScenario& plan, const std::optional<DrydenTurbulence>& dryden, std::uint64_t seed) {
+  PlatformVibration vibration(plan.vibration, seed);
+  if (dryden) vibration.AddTurbulence(*dryden, plan.stabilised_mount, seed);
+  if (vibration.empty()) return nullptr;
+  return std::make_shared<const PlatformVibration>(std::move(vibration));
 }
 
 /// Returns the time at which the flight reaches the planned time path_s; turbulence makes it lead
@@ -118,6 +138,7 @@ FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInte
   config.imu.emplace();
   config.imu->grade = scenario.imu.preset;
   config.imu->model = scenario.imu.model;
+  config.imu->read.sampling = scenario.imu.sampling;
   config.gnss.emplace();
   config.gnss->lever_arm_b_m = scenario.gnss.lever_arm_b_m;
   config.gnss->sigma_enu_m = scenario.gnss.sigma_enu_m;
@@ -268,9 +289,10 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   CheckLimits(scenario, [](const auto&, const auto&) { return FileLocation(); });
   const FlownPlan flown = Plan(scenario, out.frame, options.seed, options.replay);
   CheckSamples(scenario.imu, flown.plan.duration_s);
-  out.truth = std::make_shared<TruthTrajectory>(
-      out.frame, flown.plan.path, flown.disturbance, flown.begin_s,
-      flown.begin_s + flown.plan.duration_s, MakeVibration(scenario.plan, options.seed));
+  out.truth =
+      std::make_shared<TruthTrajectory>(out.frame, flown.plan.path, flown.disturbance,
+                                        flown.begin_s, flown.begin_s + flown.plan.duration_s,
+                                        MakeVibration(scenario.plan, flown.dryden, options.seed));
   for (ActiveEffects& one : of_scanners) AddOwnErrors(options.own, out.truth, &one);
   out.strips = Strips(scenario.plan, flown);
   if (scenario.strips) {
@@ -288,6 +310,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.gyro_bias_radps = std::move(imu.gyro_bias_radps);
   out.accel_bias_mps2 = std::move(imu.accel_bias_mps2);
   out.flight.imu = std::move(imu.data);
+  out.imu_rows = std::move(imu.rows);
   TrajectoryNotes notes;
   notes.velocity_from_file = true;
   out.flight.reference = Trajectory(std::move(imu.reference), notes);

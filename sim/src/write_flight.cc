@@ -5,6 +5,9 @@
 #include <charconv>
 #include <initializer_list>
 #include <string>
+#include <vector>
+
+#include "imu_simulation.h"
 
 namespace dn {
 namespace {
@@ -35,14 +38,11 @@ class TableText {
   bool at_row_start_ = true;
 };
 
-std::string ImuText(const ImuData& imu) {
+std::string ImuText(const std::vector<ImuRow>& rows) {
   constexpr std::size_t kBytesPerRow = 150;
   TableText table;
-  table.Reserve(kBytesPerRow * imu.samples.size());
-  auto bridge = imu.bridges.begin();
-  for (const ImuSample& sample : imu.samples) {
-    const bool bridges = bridge != imu.bridges.end() && bridge->row.t_s == sample.t_s;
-    const ImuSample& row = bridges ? (bridge++)->row : sample;
+  table.Reserve(kBytesPerRow * rows.size());
+  for (const ImuRow& row : rows) {
     table.Add(row.t_s);
     table.Add(row.w_ib_b_radps);
     table.Add(row.f_b_mps2);
@@ -162,7 +162,8 @@ std::string FormatTruth(const SimulatedFlight& simulated) {
 void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory) {
   const Flight& flight = simulated.flight;
   directory.Add("flight.yaml", FormatFlightConfig(flight.config));
-  directory.Add("IMU.txt", ImuText(*flight.imu));
+  directory.Add("IMU.txt",
+                ImuText(simulated.imu_rows.empty() ? ImuRows(*flight.imu) : simulated.imu_rows));
   directory.Add("GPS.txt", GnssText(*flight.gnss, flight.frame));
   if (flight.pairs) {
     for (std::size_t i = 0; i < flight.pairs->files.size(); ++i) {

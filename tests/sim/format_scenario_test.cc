@@ -47,7 +47,8 @@ plan:
   warm_up_s: 61
   lines: [[-500, 0, 500, 0, 200, 45], [500, 100, -500, 100, 210, 42]]
   bank_deg: 23
-  turbulence: {roll_deg: 0.9, pitch_deg: 0.6, heading_deg: 0.5, speed_m_s: 0.8, height_m: 1.9}
+  turbulence: {roll_deg: 0.9, pitch_deg: 0.6, heading_deg: 0.5, speed_m_s: 0.8, height_m: 1.9,
+               spectrum: dryden, wingspan_m: 7.7}
   crab_deg: 2.7
   stabilised_mount: true
   vibration:
@@ -59,6 +60,8 @@ terrain: {kind: mixed, base_m: -11, relief_m: 31, wavelength_m: 510, buildings_p
           trees_per_km2: 210, roughness_m: 0.07, water_share: 0.03, seed: 5}
 imu:
   rate_hz: 21
+  sampling: instantaneous
+  filter_hz: 9.3
   preset: ln200
   gyro: {white_deg_sqrt_h: 0.07, processes: [{type: random_walk, sigma_deg_h_sqrt_h: 0.1},
                                              {type: gauss_markov, sigma_deg_h: 1.7, tau_s: 33}]}

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <dn/sim/dryden.h>
+
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace dn {
@@ -19,9 +22,13 @@ class SumOfSines {
 
   SumOfSines() = default;  ///< zero at all times
 
-  /// Creates `count` waves between the two frequencies, log-spaced with jitter. The amplitudes are
-  /// proportional to 1/sqrt(f); the root mean square over a long time is `rms`.
-  SumOfSines(double rms, double f_low_hz, double f_high_hz, int count, Random& random);
+  /// Creates `count` waves between the two frequencies, log-spaced with jitter. `amplitude` gives
+  /// their relative amplitudes; the root mean square over a long time is `rms`.
+  SumOfSines(double rms, double f_low_hz, double f_high_hz, int count, Random& random,
+             const std::function<double(double f_hz)>& amplitude = FallingAmplitude);
+
+  /// Returns 1/sqrt(f).
+  static double FallingAmplitude(double f_hz);
 
   /// Returns the sum and its first two derivatives at a time.
   Sample At(double t_s) const;
@@ -54,9 +61,11 @@ struct Disturbance {
   SumOfSines lead_s;  ///< time ahead of the plan, in seconds along the path
 };
 
-/// Draws a disturbance. mean_speed_mps converts the rms of the speed to a lead in time. stabilised:
-/// limits roll and pitch so that the body stays level within 0.3 deg.
+/// Draws a disturbance of up to 1 Hz. mean_speed_mps converts the rms of the speed to a lead in
+/// time. stabilised: limits roll and pitch so that the body stays level within 0.3 deg. With
+/// `dryden`, the result is the part of this turbulence below DrydenTurbulence::kSplit_hz.
 Disturbance MakeDisturbance(const TurbulenceScenario& turbulence, double mean_speed_mps,
-                            bool stabilised, std::uint64_t seed);
+                            bool stabilised, std::uint64_t seed,
+                            const DrydenTurbulence* dryden = nullptr);
 
 }  // namespace dn

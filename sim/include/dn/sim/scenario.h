@@ -5,6 +5,7 @@
 #include <dn/files/flight_config.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_process.h>
+#include <dn/imu/imu_data.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
 #include <dn/sim/vibration.h>
@@ -26,6 +27,12 @@ struct PlannedLine {
   double speed_mps = 0.0;
 };
 
+/// Shape of the spectra of turbulence.
+enum class TurbulenceSpectrum {
+  kSmooth,  ///< waves of up to 1 Hz
+  kDryden   ///< Dryden's gusts, up to the inertial rate (DrydenGusts)
+};
+
 /// Root mean squares of the motion that turbulence adds to the planned one.
 struct TurbulenceScenario {
   double roll_rad = 0.0;
@@ -33,6 +40,8 @@ struct TurbulenceScenario {
   double heading_rad = 0.0;
   double speed_mps = 0.0;
   double height_m = 0.0;
+  TurbulenceSpectrum spectrum = TurbulenceSpectrum::kSmooth;
+  double wingspan_m = 10.0;  ///< only for kDryden
 };
 
 /// Path to fly, and motion of the aircraft along it.
@@ -72,6 +81,9 @@ struct ImuScenario {
   double rate_hz = 200.0;
   std::optional<std::string> preset;  ///< absent if explicit noise overrides the preset
   ImuModel model;
+  ImuSampling sampling = ImuSampling::kMean;
+  /// Cut-off frequency of an anti-aliasing filter before the sampling, Hz; absent: no filter.
+  std::optional<double> filter_hz;
 };
 
 /// GNSS receiver.

@@ -2,6 +2,7 @@
 
 #include <dn/files/atomic_file.h>
 #include <dn/files/flight.h>
+#include <dn/imu/imu_rows.h>
 #include <dn/sim/own_errors.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulated_clouds.h>
@@ -48,6 +49,8 @@ struct SimulatedFlight {
   /// True bias of every inertial sample: sum of all processes, mean over the interval.
   std::vector<Eigen::Vector3d> gyro_bias_radps;
   std::vector<Eigen::Vector3d> accel_bias_mps2;
+  /// Rows of IMU.txt if they are point samples (imu.sampling); else empty, and flight.imu has them.
+  std::vector<ImuRow> imu_rows;
   std::vector<StripInterval> strips;
   /// Point clouds of the strips; null if the scenario does not ask for them.
   std::shared_ptr<const SimulatedClouds> clouds;
