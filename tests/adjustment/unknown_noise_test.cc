@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "testing/short_flights.h"
 
@@ -111,6 +112,22 @@ TEST(UnknownNoise, MayBeTenTimesTheStatedOne) {
   stated.gyro.white *= 0.1;
   EstimateNoise({}, &sim.flight);
   EXPECT_NEAR(stated.gyro.white / truth, 1.0, 0.4);
+}
+
+// Outliers that the start sizes hide show once the sizes have been found.
+TEST(UnknownNoise, OutliersAreNoNoiseAndTheFlightIsAlignedOnce) {
+  SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);
+  std::vector<MapGnssEpoch>& epochs = sim.flight.gnss->epochs;
+  for (std::size_t k = 20; k < epochs.size(); k += 60) epochs[k].p_m.y() += 0.3;
+  int alignments = 0;
+  AdjustOptions options;
+  options.progress = [&](const std::string& stage, int) {
+    if (stage == "alignment") ++alignments;
+  };
+  const NoiseSizes noise = EstimateNoise(options, &sim.flight);
+  EXPECT_TRUE(noise.converged);
+  EXPECT_NEAR(ByName(noise).at("gnss.sigma_scale").value, 1.0, 0.1);
+  EXPECT_EQ(alignments, 1);
 }
 
 TEST(UnknownNoise, IsThatOfFlightsWithoutDataSheet) {

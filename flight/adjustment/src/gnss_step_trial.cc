@@ -1,6 +1,5 @@
 #include "gnss_step_trial.h"
 
-#include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/interrupted.h>
 #include <dn/solvers/marginals.h>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "gnss_clock.h"
 #include "gnss_fit.h"
 
 namespace dn::adjustment_internal {
@@ -64,14 +64,6 @@ Trial Try(const Flight& flight, const AdjustOptions& options) {
 }
 
 }  // namespace
-
-void EstimateGnssClock(FlightConfig* config) {
-  for (const EffectId id : {EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift}) {
-    const bool is_unknown = std::ranges::any_of(
-        config->estimate, [&](const EstimateEntry& entry) { return IsEffect(entry.unknown, id); });
-    if (!is_unknown) config->estimate.push_back({.unknown = EffectName(id)});
-  }
-}
 
 bool StepExplains(AdjustmentRun& run, const GnssMisfit& misfit) {
   Flight flight = run.flight();

@@ -1,13 +1,9 @@
 #pragma once
 
 #include <dn/adjustment/stages.h>
-#include <dn/files/flight_config.h>
 #include <dn/navigation/gnss_steps.h>
 
 namespace dn::adjustment_internal {
-
-/// Adds offset and drift of the GNSS clock to the unknowns of the flight.
-void EstimateGnssClock(FlightConfig* config);
 
 /// Returns whether a step of the GNSS clock, found to first order, is the cause of a misfit. The
 /// tags are corrected from the step on, and the INS/GNSS network of these tags is solved, several

@@ -12,4 +12,8 @@ namespace dn::adjustment_internal {
 std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
                                              const CalibrationState& calibration);
 
+/// Makes the network of the run again, with its pairs and control. The measurements in use and the
+/// trajectory are those of the present network.
+void RemakeWholeNetwork(AdjustmentRun& run);
+
 }  // namespace dn::adjustment_internal

@@ -2,22 +2,24 @@
 #include <dn/adjustment/stages.h>
 #include <dn/adjustment/words.h>
 #include <dn/builder/gnss_factors.h>
+#include <dn/builder/keep_in_use.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/navigation/gnss_screening.h>
 #include <dn/navigation/gnss_steps.h>
+#include <dn/report/value_words.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "gnss_clock.h"
 #include "gnss_fit.h"
 #include "gnss_step_trial.h"
 #include "network_at.h"
@@ -101,10 +103,12 @@ void ExpectNearClock(AdjustmentRun& run) {
   const auto& clock = run.result().gnss_clock;
   if (!clock || std::abs(clock->offset_s) <= kLargestClockOffsetS) return;
   throw SensorsContradict(
-      "the GNSS time tags are " + FormatDouble(std::round(std::abs(clock->offset_s) * 1e3) / 1e3) +
+      "the GNSS time tags are " +
+          FormatWithSigma(std::abs(clock->offset_s), clock->sigma_offset_s) +
           (clock->offset_s > 0.0 ? " s late" : " s early") +
           " against those of the inertial data: ",
-      "correct the tags (gnss.time_offset_s), or check the time systems of both files",
+      "correct the tags (gnss.time_offset_s), or check the time systems of both files and the "
+      "leap seconds of the program that wrote them",
       {run.flight().config.gnss->file});
 }
 
@@ -174,7 +178,7 @@ class EpochScreener {
     if (!run_.has_swapped_network()) return;
     if (ClockExplains()) run_.result().gnss_clock = EstimateClockError(run_.network());
     const std::unique_ptr<FlightNetwork> free = run_.SwapNetworkBack();
-    CopyRejections(*free, &run_.network());
+    KeepInUse(*free, &run_.network());
     run_.Solve(kScreened, run_.options().max_iterations);
   }
 
@@ -248,8 +252,7 @@ class EpochScreener {
     rejected_.clear();
     held_ = EvaluateCost(run_.network().net(), run_.options().threads);
     CalibrationState calibration = run_.network().calibration().State();
-    AddTo(kOffset, start[0], &calibration);
-    AddTo(kDrift, start[1], &calibration);
+    adjustment_internal::AddToGnssClock(run_.flight(), start[0], start[1], &calibration);
     run_.SwapNetworkIn(adjustment_internal::RemakeNetwork(run_, calibration));
     for (const EffectId effect : {kOffset, kDrift}) {
       run_.network().net().Hold(run_.network().net().Find(EffectName(effect)), false);
@@ -259,16 +262,6 @@ class EpochScreener {
       SettleGnssClock(run_);
     }
     free_ = EvaluateCost(run_.network().net(), run_.options().threads);
-  }
-
-  void AddTo(EffectId id, double more, CalibrationState* calibration) const {
-    for (CalibrationValue& effect : calibration->effects) {
-      if (!IsEffect(effect.name, id)) continue;
-      effect.value[0] += more;
-      return;
-    }
-    calibration->Insert({EffectName(id), FindEstimable(id)->make({run_.flight()}),
-                         Eigen::VectorXd::Constant(1, more)});
   }
 
   bool ClockExplains() const {
@@ -286,20 +279,6 @@ class EpochScreener {
     return {network.net().block(offset).value[0], sigma_offset_s,
             network.net().block(drift).value[0], sigma_drift,
             marginals.Covariance(offset, drift)(0, 0) / (sigma_offset_s * sigma_drift)};
-  }
-
-  static void CopyRejections(const FlightNetwork& other, FlightNetwork* network) {
-    std::map<std::size_t, const GnssEdge*> of_epoch;
-    for (const GnssEdge& edge : other.gnss().edges()) of_epoch[edge.epoch] = &edge;
-    for (const GnssEdge& edge : network->gnss().edges()) {
-      const auto at = of_epoch.find(edge.epoch);
-      if (at == of_epoch.end()) continue;
-      const auto copy = [&](FactorId to, FactorId from) {
-        if (to >= 0 && from >= 0) network->net().SetActive(to, other.net().factor(from).active);
-      };
-      copy(edge.position, at->second->position);
-      copy(edge.velocity, at->second->velocity);
-    }
   }
 
   AdjustmentRun& run_;

@@ -79,6 +79,16 @@ std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
   return network;
 }
 
+void RemakeWholeNetwork(AdjustmentRun& run) {
+  std::unique_ptr<FlightNetwork> network = RemakeNetwork(run, run.network().calibration().State());
+  if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
+  if (run.options().with_pairs && run.flight().control) {
+    network->AddControl(*run.flight().control);
+  }
+  KeepInUse(run.network(), network.get());
+  run.result().network = std::move(network);
+}
+
 }  // namespace adjustment_internal
 
 void MakeNetwork(AdjustmentRun& run) {
@@ -102,14 +112,7 @@ void UseInertialRate(AdjustmentRun& run) {
   if (run.inertial() == run.flight().config.network.inertial) return;
   run.Announce("inertial rate");
   run.TakeRawInertial();
-  std::unique_ptr<FlightNetwork> network =
-      adjustment_internal::RemakeNetwork(run, run.network().calibration().State());
-  if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
-  if (run.options().with_pairs && run.flight().control) {
-    network->AddControl(*run.flight().control);
-  }
-  KeepInUse(run.network(), network.get());
-  run.result().network = std::move(network);
+  adjustment_internal::RemakeWholeNetwork(run);
 }
 
 }  // namespace dn

@@ -11,12 +11,13 @@
 #include <optional>
 #include <utility>
 
-#include "gnss_step_trial.h"
+#include "gnss_clock.h"
+#include "readjust.h"
 
 namespace dn {
 namespace {
 
-constexpr int kMostRounds = 8;
+constexpr int kMostRounds = 20, kMostScreenings = 3;
 constexpr double kSmallestChange = 0.03;
 // Degrees of freedom of the prior of a variance.
 constexpr double kPriorDof = 1.0;
@@ -65,17 +66,50 @@ class FreeClock {
   std::vector<EstimateEntry> stated_;
 };
 
-/// Returns the misfits of an adjustment of the flight. A clock error that the adjustment finds
-/// becomes an unknown, since it would be taken for noise.
-std::map<std::string, Misfit> AdjustedMisfits(const Flight& flight, const AdjustOptions& options,
-                                              FreeClock* clock) {
-  Adjustment adjustment = Adjust(flight, options);
-  if (adjustment.gnss_clock) {
-    clock->Free();
-    adjustment = Adjust(flight, options);
+/// Adjusts one flight with changing noise. Alignment and screening need most of the time and hardly
+/// depend on the noise, so that they are not repeated with every size.
+class NoiseRounds {
+ public:
+  NoiseRounds(const Flight& flight, const AdjustOptions& options, FreeClock* clock)
+      : flight_(flight), options_(options), clock_(*clock) {}
+
+  /// Makes the first adjustment, with all stages.
+  void Start() { Take(Adjust(flight_, options_)); }
+
+  /// Adjusts with the present noise and the same measurements.
+  void Repeat() {
+    last_ = options_.stages.empty()
+                ? adjustment_internal::Readjust(flight_, options_, std::move(last_))
+                : Adjust(flight_, options_);
   }
-  return ChannelMisfits(adjustment, options.threads);
-}
+
+  /// Adjusts with the present noise and screens the measurements again.
+  void Screen() { Take(ScreenAgain()); }
+
+  std::map<std::string, Misfit> Misfits() const { return ChannelMisfits(last_, options_.threads); }
+
+ private:
+  Adjustment ScreenAgain() {
+    return options_.stages.empty()
+               ? adjustment_internal::ScreenAgain(flight_, options_, std::move(last_))
+               : Adjust(flight_, options_);
+  }
+
+  /// Keeps a screened adjustment. A clock error that it finds becomes an unknown, since it would be
+  /// taken for noise.
+  void Take(Adjustment adjustment) {
+    last_ = std::move(adjustment);
+    if (last_.gnss_clock) {
+      clock_.Free();
+      last_ = ScreenAgain();
+    }
+  }
+
+  const Flight& flight_;
+  const AdjustOptions& options_;
+  FreeClock& clock_;
+  Adjustment last_;
+};
 
 /// Sizes that one factor scales, because the same residuals show them.
 class ScaledSizes {
@@ -89,8 +123,9 @@ class ScaledSizes {
 
   void Double() { Scale(2.0 * factor_); }
 
-  /// Undoes the last change.
-  void GoBack() { Scale(last_factor_); }
+  /// Remembers the present sizes for GoBack.
+  void Keep() { kept_factor_ = factor_; }
+  void GoBack() { Scale(kept_factor_); }
 
   /// Takes the residuals of an adjustment with the present sizes. Returns the relative change.
   double Update(const std::map<std::string, Misfit>& misfits) {
@@ -135,7 +170,7 @@ class ScaledSizes {
 
   double Scale(double factor) {
     const double change = std::abs(factor / factor_ - 1.0);
-    last_factor_ = std::exchange(factor_, factor);
+    factor_ = factor;
     for (const Size& size : sizes_) *size.value = factor * size.start;
     return change;
   }
@@ -143,7 +178,7 @@ class ScaledSizes {
   std::vector<std::string> channels_;
   double smallest_factor_;
   std::vector<Size> sizes_;
-  double factor_ = 1.0, last_factor_ = 1.0, redundancy_ = 0.0;
+  double factor_ = 1.0, kept_factor_ = 1.0, redundancy_ = 0.0;
 };
 
 /// Units of the noise of a triad in flight.yaml, in SI.
@@ -205,20 +240,53 @@ void StartAtRawLevel(const ImuData& imu, ImuModel* model) {
   }
 }
 
-/// Returns the misfits with the start sizes, or with larger ones if the sensors contradict each
-/// other with those. Throws the first exception if they still do.
-std::map<std::string, Misfit> FirstMisfits(const Flight& flight, const AdjustOptions& options,
-                                           std::vector<ScaledSizes>* all, FreeClock* clock) {
+/// Makes the first adjustment, with larger sizes than those of the start if the sensors contradict
+/// each other with these. Throws the first exception if they still do.
+void StartRounds(NoiseRounds* rounds, std::vector<ScaledSizes>* all) {
   std::optional<SensorsContradict> first;
   for (int doublings = 0; doublings <= kMostDoublings; ++doublings) {
     try {
-      return AdjustedMisfits(flight, options, clock);
+      return rounds->Start();
     } catch (const SensorsContradict& e) {
       if (!first) first.emplace(e);
       for (ScaledSizes& sizes : *all) sizes.Double();
     }
   }
   throw SensorsContradict(*first);
+}
+
+/// Updates all sizes. Returns the largest relative change.
+double UpdateSizes(const NoiseRounds& rounds, std::vector<ScaledSizes>* all) {
+  const std::map<std::string, Misfit> misfits = rounds.Misfits();
+  double change = 0.0;
+  for (ScaledSizes& sizes : *all) change = std::max(change, sizes.Update(misfits));
+  return change;
+}
+
+/// Repeats rounds with the same measurements until the sizes stay the same.
+void Settle(NoiseRounds* rounds, std::vector<ScaledSizes>* all, NoiseSizes* found) {
+  for (int k = 0; k < kMostRounds; ++k) {
+    ++found->rounds;
+    if (UpdateSizes(*rounds, all) < kSmallestChange) return;
+    rounds->Repeat();
+  }
+}
+
+void KeepAll(std::vector<ScaledSizes>* all) {
+  for (ScaledSizes& sizes : *all) sizes.Keep();
+}
+
+/// Repeats rounds until the sizes stay the same after another search for outliers.
+void Iterate(NoiseRounds* rounds, std::vector<ScaledSizes>* all, NoiseSizes* found) {
+  for (int k = 0; k < kMostScreenings; ++k) {
+    KeepAll(all);
+    Settle(rounds, all, found);
+    rounds->Screen();
+    ++found->rounds;
+    found->converged = UpdateSizes(*rounds, all) < kSmallestChange;
+    if (found->converged) return;
+    rounds->Repeat();
+  }
 }
 
 }  // namespace
@@ -231,20 +299,14 @@ NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
   StartAtRawLevel(*flight->imu, &flight->config.imu->model);
   std::vector<ScaledSizes> all = EstimatedSizes(&flight->config);
   FreeClock clock(&flight->config);
+  NoiseRounds rounds(*flight, options, &clock);
   NoiseSizes found;
-  std::map<std::string, Misfit> misfits = FirstMisfits(*flight, options, &all, &clock);
-  while (true) {
-    ++found.rounds;
-    double change = 0.0;
-    for (ScaledSizes& sizes : all) change = std::max(change, sizes.Update(misfits));
-    found.converged = change < kSmallestChange;
-    if (found.converged || found.rounds == kMostRounds) break;
-    try {
-      misfits = AdjustedMisfits(*flight, options, &clock);
-    } catch (const SensorsContradict&) {
-      for (ScaledSizes& sizes : all) sizes.GoBack();
-      break;
-    }
+  StartRounds(&rounds, &all);
+  try {
+    Iterate(&rounds, &all, &found);
+  } catch (const SensorsContradict&) {
+    found.converged = false;
+    for (ScaledSizes& sizes : all) sizes.GoBack();
   }
   for (ScaledSizes& sizes : all) {
     sizes.TakeMean();

@@ -11,6 +11,23 @@ bool SamePair(const LidarPair& a, const LidarPair& b) {
   return a.t_i_s == b.t_i_s && a.t_j_s == b.t_j_s && a.u_i_s == b.u_i_s && a.u_j_s == b.u_j_s;
 }
 
+/// Activates exactly the positions and velocities that are active in the other network, as far as
+/// it has them.
+void KeepGnss(const FlightNetwork& other, FlightNetwork* network) {
+  std::map<std::size_t, const GnssEdge*> by_epoch;
+  for (const GnssEdge& edge : other.gnss().edges()) by_epoch[edge.epoch] = &edge;
+  const auto keep = [&](FactorId theirs, FactorId ours) {
+    if (theirs < 0 || ours < 0) return;
+    network->net().SetActive(ours, other.net().factor(theirs).active);
+  };
+  for (const GnssEdge& edge : network->gnss().edges()) {
+    const auto found = by_epoch.find(edge.epoch);
+    if (found == by_epoch.end()) continue;
+    keep(found->second->position, edge.position);
+    keep(found->second->velocity, edge.velocity);
+  }
+}
+
 /// Activates exactly the pairs that are active in the other network. Both networks must have their
 /// pairs in the order of the flight.
 void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
@@ -39,16 +56,7 @@ void KeepControl(const FlightNetwork& other, FlightNetwork* network) {
 }  // namespace
 
 void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
-  std::map<std::size_t, const GnssEdge*> by_epoch;
-  for (const GnssEdge& edge : other.gnss().edges()) by_epoch[edge.epoch] = &edge;
-  const auto keep = [&](FactorId theirs, FactorId ours) {
-    if (ours >= 0) network->net().SetActive(ours, theirs >= 0 && other.net().factor(theirs).active);
-  };
-  for (const GnssEdge& edge : network->gnss().edges()) {
-    const auto found = by_epoch.find(edge.epoch);
-    keep(found == by_epoch.end() ? -1 : found->second->position, edge.position);
-    keep(found == by_epoch.end() ? -1 : found->second->velocity, edge.velocity);
-  }
+  KeepGnss(other, network);
   KeepPairs(other, network);
   KeepControl(other, network);
 }

@@ -40,8 +40,9 @@ bool HasUnknownNoise(const FlightConfig& config);
 ///
 ///   sigma^2 <- (sigma_0^2 + sigma^2 r^T r) / (1 + f),
 ///
-/// with a new adjustment in each round. gnss.sigma_scale does not fall below its start value: the
-/// residuals do not show errors that positions share over minutes.
+/// with a new adjustment in each round. Outliers are searched in the first round, and again once
+/// the sizes have converged; the rounds go on if this changes the sizes. gnss.sigma_scale does not
+/// fall below its start value: the residuals do not show errors that positions share over minutes.
 ///
 /// If the sensors contradict each other with the start sizes, larger ones are tried first. If the
 /// adjustment finds that the GNSS clock is off (Adjustment::gnss_clock), offset and drift of the
