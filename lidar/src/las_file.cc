@@ -393,6 +393,9 @@ class LasFileReader {
   bool says_compressed_ = false;
 };
 
+/// Returns the number of bits that hold the number of a return.
+int ReturnBits(const LasFile& las) { return las.format >= 6 ? 4 : 3; }
+
 }  // namespace
 
 const ExtraDimension* LasFile::Find(std::string_view name) const {
@@ -401,12 +404,16 @@ const ExtraDimension* LasFile::Find(std::string_view name) const {
   return at == extra.end() ? nullptr : &*at;
 }
 
+std::uint8_t ReturnNumber(const LasFile& las, const char* record) {
+  const int mask = (1 << ReturnBits(las)) - 1;
+  return static_cast<std::uint8_t>(record[las::kReturnAt] & mask);
+}
+
 std::uint8_t ReturnsAfter(const LasFile& las, const char* record) {
   const auto byte = static_cast<std::uint8_t>(record[las::kReturnAt]);
-  const int bits = las.format >= 6 ? 4 : 3;
-  const int mask = (1 << bits) - 1;
-  const int number = byte & mask, of = (byte >> bits) & mask;
-  return static_cast<std::uint8_t>(std::max(0, of - number));
+  const int mask = (1 << ReturnBits(las)) - 1;
+  const int of = (byte >> ReturnBits(las)) & mask;
+  return static_cast<std::uint8_t>(std::max(0, of - ReturnNumber(las, record)));
 }
 
 std::uint8_t PointClass(const LasFile& las, const char* record) {

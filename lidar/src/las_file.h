@@ -24,7 +24,8 @@ inline constexpr std::size_t kEncodingAt = 6, kVersionAt = 24, kSoftwareAt = 58,
                              kLegacyReturnsAt = 111, kScaleAt = 131, kOffsetAt = 155,
                              kBoundsAt = 179, kWaveformAt = 227, kEvlrAt = 235, kEvlrCountAt = 243,
                              kCountAt = 247, kReturnsAt = 255;
-inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14, kLegacyClassAt = 15, kClassAt = 16;
+inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14, kLegacyClassAt = 15, kFlagsAt = 15,
+                             kClassAt = 16;
 inline constexpr std::size_t kVlrHeaderBytes = 54, kEvlrHeaderBytes = 60, kDescriptorBytes = 192;
 inline constexpr std::size_t kRecordUserAt = 2, kRecordUserBytes = 16;
 inline constexpr std::size_t kLegacyReturns = 5, kReturns = 15;
@@ -105,6 +106,7 @@ struct LasFile {
 };
 
 /// Returns the number of returns of the same pulse after this one.
+std::uint8_t ReturnNumber(const LasFile& las, const char* record);
 std::uint8_t ReturnsAfter(const LasFile& las, const char* record);
 
 /// Returns the class of a record, without its flags.

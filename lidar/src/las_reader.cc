@@ -86,6 +86,7 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
   chunk->p_c.push_back(p_c);
   chunk->intensity.push_back(LoadLittleEndian<std::uint16_t>(record + las::kIntensityAt));
   chunk->source.push_back(LoadLittleEndian<std::uint16_t>(record + las_.source_at));
+  chunk->return_number.push_back(ReturnNumber(las_, record));
   chunk->returns_after.push_back(ReturnsAfter(las_, record));
   chunk->classification.push_back(PointClass(las_, record));
   chunk->flags.push_back(PointFlags(las_, record));

@@ -14,7 +14,13 @@ constexpr std::size_t kSourceAt = 20, kTimeAt = 22, kVectorAt = kFormatBytes;
 constexpr std::size_t kRecordBytes = kVectorAt + 3 * sizeof(double);
 constexpr int kDouble = 10;
 constexpr std::uint16_t kWktEncoding = 16;  // required by point format 6; time: seconds of week
-constexpr char kOnlyReturn = 0x11;          // return number 1 of 1
+
+/// Returns the byte with the number of a return and the number of returns of its pulse.
+char ReturnByte(const StripCloud& points, std::size_t i) {
+  const int number = points.return_number.empty() ? 1 : points.return_number[i];
+  const int after = points.returns_after.empty() ? 0 : points.returns_after[i];
+  return static_cast<char>(number | (number + after) << 4);
+}
 
 std::string DescribeVector() {
   std::string descriptors;
@@ -82,7 +88,11 @@ class NewLasWriter final : public StripWriter {
     if (!points.intensity.empty()) {
       StoreLittleEndian(points.intensity[i], record + las::kIntensityAt);
     }
-    record[las::kReturnAt] = kOnlyReturn;
+    record[las::kReturnAt] = ReturnByte(points, i);
+    if (!points.flags.empty()) record[las::kFlagsAt] = static_cast<char>(points.flags[i]);
+    if (!points.classification.empty()) {
+      record[las::kClassAt] = static_cast<char>(points.classification[i]);
+    }
     if (!points.source.empty()) StoreLittleEndian(points.source[i], record + kSourceAt);
     StoreLittleEndian(points.t_s[i], record + kTimeAt);
     for (std::size_t k = 0; k < 3; ++k) {

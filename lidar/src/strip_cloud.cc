@@ -36,6 +36,7 @@ void StripCloud::Drop(const std::vector<bool>& drop) {
   DropFrom(drop, &u_s);
   DropFrom(drop, &source);
   DropFrom(drop, &intensity);
+  DropFrom(drop, &return_number);
   DropFrom(drop, &returns_after);
   DropFrom(drop, &classification);
   DropFrom(drop, &flags);

@@ -98,6 +98,7 @@ TEST_P(EveryLasFormat, CountsTheReturnsThatFollow) {
   las.points[2].returns = 5;
   const TempFile file("strip.las", las.Build());
   EXPECT_EQ(ReadAll(file.path()).returns_after, (std::vector<std::uint8_t>{4, 1, 0}));
+  EXPECT_EQ(ReadAll(file.path()).return_number, (std::vector<std::uint8_t>{1, 2, 5}));
 }
 
 TEST_P(EveryLasFormat, ReadsClassesWithoutTheirFlags) {

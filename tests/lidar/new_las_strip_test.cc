@@ -39,6 +39,27 @@ TEST(NewLasStrip, ReadsBackAsItWasGiven) {
   }
 }
 
+TEST(NewLasStrip, KeepsReturnsClassesFlagsAndIntensities) {
+  const testing::TempFile file("returns.las", "");
+  StripCloud given = TwoPoints();
+  given.return_number = {2, 5};
+  given.returns_after = {3, 0};
+  given.classification = {18, 2};
+  given.flags = {StripCloud::kWithheld, 0};
+  given.intensity = {65535, 7};
+  const auto writer = NewLasStrip(file.path(), {.offset_m = {1000.0, -2000.0, 400.0}});
+  writer->Append(given);
+  writer->Finish();
+
+  StripCloud points;
+  ASSERT_TRUE(OpenStrip(file.path())->Next(&points));
+  EXPECT_EQ(points.return_number, given.return_number);
+  EXPECT_EQ(points.returns_after, given.returns_after);
+  EXPECT_EQ(points.classification, given.classification);
+  EXPECT_EQ(points.flags, given.flags);
+  EXPECT_EQ(points.intensity, given.intensity);
+}
+
 TEST(NewLasStrip, MayHaveNoPoints) {
   const testing::TempFile file("empty.las", "");
   NewLasStrip(file.path(), {})->Finish();

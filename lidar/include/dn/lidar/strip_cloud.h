@@ -19,6 +19,7 @@ struct StripCloud {
   /// LAS point source id; in many files the number of the flight line.
   std::vector<std::uint16_t> source;
   std::vector<std::uint16_t> intensity;
+  std::vector<std::uint8_t> return_number;  ///< number of this return in its pulse, from 1
   /// Number of later returns of the same pulse; 0: this is the last return.
   std::vector<std::uint8_t> returns_after;
   std::vector<std::uint8_t> classification;  ///< LAS class, such as 2 for ground

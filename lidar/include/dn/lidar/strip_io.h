@@ -98,9 +98,9 @@ struct LasGrid {
 
 /// Creates a new LAS or LAZ file: version 1.4, point format 6, time in seconds of week. This format
 /// has 64-bit counts, and its specification includes extra bytes. The laser vector is stored as
-/// extra bytes ux, uy, uz [m] of type double. Each point is the only return of its pulse. The file
-/// does not name a coordinate system. Append needs p_c, t_s and u_s; empty arrays of source and
-/// intensity are written as 0.
+/// extra bytes ux, uy, uz [m] of type double. The file does not name a coordinate system. Append
+/// needs p_c, t_s and u_s. Empty arrays of source, intensity, classification and flags are written
+/// as 0. Without return_number and returns_after, each point is the only return of its pulse.
 std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid);
 
 }  // namespace dn
