@@ -93,6 +93,11 @@ void WriteTerrain(const TerrainScenario& terrain, Writer* out) {
   out->Key("trees_per_km2", Number(terrain.trees_per_km2));
   out->Key("roughness_m", Number(terrain.roughness_m));
   out->Key("water_share", Number(terrain.water_share));
+  if (IsDetailed(terrain.kind)) {
+    out->Key("cars_per_km2", Number(terrain.cars_per_km2));
+    out->Key("conifer_share", Number(terrain.conifer_share));
+    out->Key("leaves", terrain.leaves ? "true" : "false");
+  }
   out->Key("seed", std::to_string(terrain.seed));
 }
 
@@ -119,8 +124,10 @@ void WriteGnss(const GnssScenario& gnss, Writer* out) {
   out->Key("processes", "[" + processes + "]");
 }
 
-/// Writes the keys of a scanner; `indent` is for those of a list.
-void WriteScanner(const LidarScenario& lidar, const std::string& indent, Writer* out) {
+/// Writes the keys of a scanner; `indent` is for those of a list. detailed: true over a detailed
+/// terrain.
+void WriteScanner(const LidarScenario& lidar, const std::string& indent, bool detailed,
+                  Writer* out) {
   out->Key(indent + "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
   out->Key(indent + "scan_axis", List(lidar.scan_axis_s));
   out->Key(indent + "nadir_axis", List(lidar.nadir_axis_s));
@@ -132,16 +139,22 @@ void WriteScanner(const LidarScenario& lidar, const std::string& indent, Writer*
   out->Key(indent + "pulse_rate_hz", Number(lidar.pulse_rate_hz));
   out->Key(indent + "beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));
   out->Key(indent + "sigma_range_m", Number(lidar.sigma_range_m));
+  if (lidar.max_returns == 1 && lidar.scan_variation == 0.0 && !detailed) return;
+  out->Key(indent + "max_returns", std::to_string(lidar.max_returns));
+  out->Key(indent + "range_resolution_m", Number(lidar.range_resolution_m));
+  out->Key(indent + "noise_share", Number(lidar.noise_share));
+  out->Key(indent + "scan_variation", Number(lidar.scan_variation));
 }
 
 void WriteLidar(const Scenario& scenario, Writer* out) {
+  const bool detailed = IsDetailed(scenario.terrain.kind);
   out->Section("lidar");
-  if (scenario.lidar.name.empty()) return WriteScanner(scenario.lidar, "", out);
+  if (scenario.lidar.name.empty()) return WriteScanner(scenario.lidar, "", detailed, out);
   std::vector<LidarScenario> all{scenario.lidar};
   all.insert(all.end(), scenario.more_scanners.begin(), scenario.more_scanners.end());
   for (const LidarScenario& lidar : all) {
     out->Line("- name: " + QuoteYaml(lidar.name));
-    WriteScanner(lidar, "  ", out);
+    WriteScanner(lidar, "  ", detailed, out);
   }
 }
 

@@ -97,7 +97,7 @@ std::vector<MapPose> Scanner::AllSwept(const Vector3d& point_m, const MapPose& f
                                        const MapPose& last) const {
   const std::optional<MapPose> abeam = Swept(&Scanner::Ahead, point_m, first, last);
   std::vector<MapPose> poses;
-  if (pattern_ == ScanPattern::kLine) {
+  if (pattern_ != ScanPattern::kCone) {
     if (abeam) poses.push_back(*abeam);
     return poses;
   }

@@ -137,22 +137,70 @@ double UsualRoughness(TerrainKind kind) {
       return 0.3;
     case TerrainKind::kFlat:
       return 0.02;
+    case TerrainKind::kForest:
+      return 0.08;
+    case TerrainKind::kOrchard:
+    case TerrainKind::kFields:
+      return 0.04;
+    case TerrainKind::kTown:
+      return 0.03;
+    case TerrainKind::kQuarry:
+      return 0.1;
   }
   return 0.0;
+}
+
+/// Numbers of objects per km^2.
+struct Objects {
+  double buildings = 0.0, trees = 0.0, cars = 0.0;
+};
+
+/// Returns the numbers of objects if the scenario does not give them. Only the detailed kinds have
+/// objects by default.
+Objects UsualObjects(TerrainKind kind) {
+  switch (kind) {
+    case TerrainKind::kForest:
+      return {0.0, 45000.0, 0.0};
+    case TerrainKind::kOrchard:
+      return {0.0, 50000.0, 0.0};
+    case TerrainKind::kTown:
+      return {900.0, 3000.0, 2000.0};
+    case TerrainKind::kQuarry:
+    case TerrainKind::kFields:
+      return {0.0, 200.0, 0.0};
+    default:
+      return {};
+  }
+}
+
+/// Reads the keys that only a detailed terrain has.
+void ReadDetails(const YamlValue& s, TerrainScenario* terrain) {
+  for (const char* key : {"cars_per_km2", "conifer_share", "leaves"}) {
+    if (s[key] && !IsDetailed(terrain->kind)) {
+      s[key].Fail("is only allowed on a terrain of kind forest, orchard, town, quarry or fields");
+    }
+  }
+  terrain->cars_per_km2 = ReadNotNegativeOr(s["cars_per_km2"], UsualObjects(terrain->kind).cars);
+  terrain->conifer_share = ReadNotNegativeOr(s["conifer_share"], terrain->conifer_share);
+  if (terrain->conifer_share > 1.0) s["conifer_share"].Fail("must be at most 1");
+  terrain->leaves = ReadBoolOr(s["leaves"], true);
 }
 
 /// clouds: true if point clouds are simulated. If only pairs are simulated, the ground is smooth by
 /// default.
 TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
-  ExpectMapOrAbsent(s, {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
-                        "trees_per_km2", "roughness_m", "water_share", "seed"});
+  ExpectMapOrAbsent(
+      s, {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2", "trees_per_km2",
+          "roughness_m", "water_share", "cars_per_km2", "conifer_share", "leaves", "seed"});
   TerrainScenario terrain;
   if (s["kind"]) terrain.kind = s["kind"].Choice(TerrainWords());
   terrain.relief_m = ReadNotNegativeOr(s["relief_m"], 0.0);
   terrain.wavelength_m = ReadPositiveOr(s["wavelength_m"], 1000.0);
   terrain.base_m = ReadNumberOr(s["base_m"], 0.0);
-  terrain.buildings_per_km2 = ReadNotNegativeOr(s["buildings_per_km2"], 0.0);
-  terrain.trees_per_km2 = ReadNotNegativeOr(s["trees_per_km2"], 0.0);
+  const Objects usual = UsualObjects(terrain.kind);
+  terrain.buildings_per_km2 = ReadNotNegativeOr(s["buildings_per_km2"], usual.buildings);
+  terrain.trees_per_km2 = ReadNotNegativeOr(s["trees_per_km2"], usual.trees);
+  ReadDetails(s, &terrain);
   terrain.roughness_m =
       ReadNotNegativeOr(s["roughness_m"], clouds ? UsualRoughness(terrain.kind) : 0.0);
   terrain.water_share = ReadNotNegativeOr(s["water_share"], 0.0);
@@ -193,12 +241,42 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
   return gnss;
 }
 
-/// `name` is that of a scanner in a list; it is empty without a list.
-LidarScenario ReadLidar(const YamlValue& s, const std::string& name) {
-  std::vector<std::string> keys{
-      "R_sensor_to_body", "scan_axis", "nadir_axis",    "lever_arm_m", "boresight_deg",
-      "fov_deg",          "pattern",   "pulse_rate_hz", "gsd_m",       "beam_divergence_mrad",
-      "sigma_range_m"};
+/// Reads the keys of several returns. detailed: true over a detailed terrain, where several are the
+/// default.
+void ReadReturns(const YamlValue& s, bool detailed, LidarScenario* lidar) {
+  constexpr long kMostReturns = 5;
+  lidar->max_returns = detailed ? static_cast<int>(kMostReturns) : 1;
+  if (s["max_returns"]) lidar->max_returns = static_cast<int>(s["max_returns"].Integer(1));
+  if (lidar->max_returns > kMostReturns) s["max_returns"].Fail("must be at most 5");
+  lidar->range_resolution_m = ReadPositiveOr(s["range_resolution_m"], lidar->range_resolution_m);
+  const bool several = lidar->max_returns > 1;
+  lidar->noise_share = ReadNotNegativeOr(s["noise_share"], detailed && several ? 1e-4 : 0.0);
+  if (lidar->noise_share > 0.5) s["noise_share"].Fail("must be at most 0.5");
+  if (lidar->noise_share > 0.0 && !several) {
+    s["noise_share"].Fail("needs max_returns of 2 or more");
+  }
+  lidar->scan_variation = ReadNotNegativeOr(s["scan_variation"], detailed ? 0.02 : 0.0);
+  if (lidar->scan_variation > 0.1) s["scan_variation"].Fail("must be at most 0.1");
+}
+
+/// `name` is that of a scanner in a list; it is empty without a list. detailed: true over a detailed
+/// terrain.
+LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detailed) {
+  std::vector<std::string> keys{"R_sensor_to_body",
+                                "scan_axis",
+                                "nadir_axis",
+                                "lever_arm_m",
+                                "boresight_deg",
+                                "fov_deg",
+                                "pattern",
+                                "pulse_rate_hz",
+                                "gsd_m",
+                                "beam_divergence_mrad",
+                                "sigma_range_m",
+                                "max_returns",
+                                "range_resolution_m",
+                                "noise_share",
+                                "scan_variation"};
   if (!name.empty()) keys.emplace_back("name");
   ExpectMapOrAbsent(s, keys);
   LidarScenario lidar;
@@ -218,13 +296,14 @@ LidarScenario ReadLidar(const YamlValue& s, const std::string& name) {
   lidar.gsd_m = ReadPositive(s["gsd_m"]);
   lidar.beam_divergence_rad = 1e-3 * ReadNotNegativeOr(s["beam_divergence_mrad"], 0.0);
   lidar.sigma_range_m = ReadNotNegativeOr(s["sigma_range_m"], 0.02);
+  ReadReturns(s, detailed, &lidar);
   return lidar;
 }
 
 /// Returns the first scanner; appends the others of a list to `more`.
-LidarScenario ReadScanners(const YamlValue& s, std::vector<LidarScenario>* more) {
+LidarScenario ReadScanners(const YamlValue& s, bool detailed, std::vector<LidarScenario>* more) {
   constexpr std::size_t kMostScanners = 16;
-  if (!s || s.IsMap()) return ReadLidar(s, "");
+  if (!s || s.IsMap()) return ReadLidar(s, "", detailed);
   std::vector<std::string> names;
   std::vector<LidarScenario> all;
   for (const YamlValue& item : s.List(kMostScanners)) {
@@ -235,7 +314,7 @@ LidarScenario ReadScanners(const YamlValue& s, std::vector<LidarScenario>* more)
     }
     if (HasName(names, name)) item.Fail("two scanners have the name '" + name + "'");
     names.push_back(name);
-    all.push_back(ReadLidar(item, name));
+    all.push_back(ReadLidar(item, name, detailed));
   }
   if (all.empty()) s.Fail("must have at least one scanner");
   more->assign(all.begin() + 1, all.end());
@@ -324,7 +403,8 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   scenario.terrain = ReadTerrain(root["terrain"], scenario.strips);
   scenario.imu = ReadImuScenario(root["imu"]);
   scenario.gnss = ReadGnssScenario(root["gnss"]);
-  scenario.lidar = ReadScanners(root["lidar"], &scenario.more_scanners);
+  scenario.lidar =
+      ReadScanners(root["lidar"], IsDetailed(scenario.terrain.kind), &scenario.more_scanners);
   scenario.pairs =
       ReadPairScenario(root["pairs"], scenario.lidar.gsd_m, !scenario.more_scanners.empty());
   scenario.control = ReadControlScenario(root["control"]);

@@ -13,17 +13,18 @@ template <class T>
 using ScenarioWords = std::vector<std::pair<std::string, T>>;
 
 inline const ScenarioWords<TerrainKind>& TerrainWords() {
-  static const ScenarioWords<TerrainKind> words{{"built_up", TerrainKind::kBuiltUp},
-                                                {"mixed", TerrainKind::kMixed},
-                                                {"natural", TerrainKind::kNatural},
-                                                {"mountain", TerrainKind::kMountain},
-                                                {"flat", TerrainKind::kFlat}};
+  static const ScenarioWords<TerrainKind> words{
+      {"built_up", TerrainKind::kBuiltUp}, {"mixed", TerrainKind::kMixed},
+      {"natural", TerrainKind::kNatural},  {"mountain", TerrainKind::kMountain},
+      {"flat", TerrainKind::kFlat},        {"forest", TerrainKind::kForest},
+      {"orchard", TerrainKind::kOrchard},  {"town", TerrainKind::kTown},
+      {"quarry", TerrainKind::kQuarry},    {"fields", TerrainKind::kFields}};
   return words;
 }
 
 inline const ScenarioWords<ScanPattern>& ScanPatternWords() {
-  static const ScenarioWords<ScanPattern> words{{"line", ScanPattern::kLine},
-                                                {"cone", ScanPattern::kCone}};
+  static const ScenarioWords<ScanPattern> words{
+      {"line", ScanPattern::kLine}, {"zigzag", ScanPattern::kZigzag}, {"cone", ScanPattern::kCone}};
   return words;
 }
 

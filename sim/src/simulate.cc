@@ -111,7 +111,7 @@ void CheckClearance(const Scenario& scenario, const std::vector<StripInterval>& 
   for (const StripInterval& strip : strips) {
     for (double t_s = strip.t0_s; t_s <= strip.t1_s; t_s += 1.0) {
       const Vector3d p_m = truth.Pose(t_s).p_mb;
-      const double above_m = p_m.z() - terrain.Surface(p_m.head<2>());
+      const double above_m = p_m.z() - terrain.Surface(p_m.head<2>()) - terrain.tallest_plant_m();
       if (above_m < kLowestFlight_m) {
         throw InvalidConfig("line " + strip.name + " of scenario '" + scenario.name + "' passes " +
                                 FormatDouble(std::round(above_m)) +

@@ -12,9 +12,12 @@
 #include <utility>
 
 #include "active_effects.h"
+#include "echoes.h"
+#include "false_returns.h"
 #include "fine_poses.h"
 #include "scan_pattern.h"
 #include "scanner.h"
+#include "waves.h"
 
 namespace dn {
 namespace {
@@ -89,14 +92,21 @@ class SimulatedClouds::Pulses {
   std::size_t count() const { return count_; }
 
   /// Simulates the pulses from `first` to before `past`. The random numbers depend on the chunk.
+  /// Without several returns, a pulse is one ray, and a point has no intensity or class.
   CloudCounts Fire(std::size_t chunk, std::size_t first, std::size_t past,
                    StripCloud* cloud) const {
     cloud->Clear();
     Random random(world_.seed, "strip " + strip_.name + " chunk " + std::to_string(chunk));
-    TerrainCaster caster(*world_.terrain);
+    TerrainCaster caster(*world_.terrain, number_);
     const FinePoses poses(*world_.truth, Epoch(first), Epoch(past));
     CloudCounts counts{past - first};
-    for (std::size_t k = first; k < past; ++k) Fire(k, poses, &random, &caster, &counts, cloud);
+    for (std::size_t k = first; k < past; ++k) {
+      if (world_.lidar.max_returns > 1) {
+        FireBeam(k, poses, &random, &caster, &counts, cloud);
+      } else {
+        Fire(k, poses, &random, &caster, &counts, cloud);
+      }
+    }
     counts.points = cloud->size();
     return counts;
   }
@@ -104,7 +114,11 @@ class SimulatedClouds::Pulses {
  private:
   static ScanTiming MakeScan(const World& world, const StripInterval& strip) {
     const Flown flown = Fly(*world.truth, strip, world.base_m);
-    return {world.lidar, flown.height_m, flown.speed_mps};
+    const double variation = world.lidar.scan_variation;
+    if (variation == 0.0) return {world.lidar, flown.height_m, flown.speed_mps};
+    Random random(world.seed, "scan of strip " + strip.name);
+    const double stretch = std::max(0.5, 1.0 + variation * random.Normal());
+    return {world.lidar, flown.height_m, flown.speed_mps, stretch, 2.0 * random.Uniform()};
   }
 
   double Since(std::size_t k) const { return static_cast<double>(k) / world_.lidar.pulse_rate_hz; }
@@ -156,14 +170,84 @@ class SimulatedClouds::Pulses {
     if (ray_m.z() > -kLeastSink) return;
     const Vector3d origin_m = pose.p_mb + R_mb * world_.scanner.lever_arm_b_m();
     const auto hit = caster->Cast(origin_m, ray_m, kLongestRange_m);
-    if (hit && hit->water) ++counts->on_water;
-    if (!hit || hit->water) return;
-    const Vector3d u_s = Measured(hit->range_m * beam_s, t_s, random);
-    const double tag_s = Tag(t_s);
+    const bool on_water = hit && hit->surface == Surface::kWater;
+    if (on_water) ++counts->on_water;
+    if (!hit || on_water) return;
+    AddPoint(pose, hit->range_m * beam_s, random, cloud);
+  }
+
+  /// Adds the point that software computes from a laser vector.
+  void AddPoint(const MapPose& pose, const Vector3d& true_u_s, Random* random,
+                StripCloud* cloud) const {
+    const Vector3d u_s = Measured(true_u_s, pose.t_s, random);
+    const double tag_s = Tag(pose.t_s);
     cloud->t_s.push_back(tag_s);
     cloud->u_s.push_back(u_s);
     cloud->p_c.push_back(Georeference(PoseAtTag(tag_s, pose), world_.assumed, u_s));
     cloud->source.push_back(number_);
+  }
+
+  /// Returns the directions of parts of the beam with equal energy: its centre and a ring around
+  /// it, at a random angle. Their mean square distance is that of a Gaussian beam.
+  std::array<Vector3d, kBeamParts> BeamParts(const Vector3d& beam_s, Random* random) const {
+    constexpr double kRing = 1.5811;  // sigmas: 4/5 of its square is 2
+    const double radius_rad = kRing * world_.lidar.beam_divergence_rad / kBeamSigmas;
+    const Vector3d one = beam_s.unitOrthogonal(), other = beam_s.cross(one);
+    const double turn = random->Uniform(0.0, 0.5 * std::numbers::pi);
+    const Vector3d x = radius_rad * (std::cos(turn) * one + std::sin(turn) * other);
+    const Vector3d y = radius_rad * (std::cos(turn) * other - std::sin(turn) * one);
+    return {beam_s, (beam_s + x).normalized(), (beam_s - x).normalized(), (beam_s + y).normalized(),
+            (beam_s - y).normalized()};
+  }
+
+  /// Casts the parts of a beam, and returns what the receiver detects.
+  Echoes Receive(const Vector3d& origin_m, const Eigen::Matrix3d& R_ms, const Vector3d& beam_s,
+                 double t_s, Random* random, TerrainCaster* caster, bool* on_water) const {
+    const bool wide = world_.noise && world_.lidar.beam_divergence_rad > 0.0;
+    const std::size_t parts = wide ? kBeamParts : 1;
+    Echoes echoes;
+    const auto beams_s = BeamParts(beam_s, random);
+    for (std::size_t k = 0; k < parts; ++k) {
+      const Vector3d ray_m = R_ms * beams_s[k];
+      if (ray_m.z() > -kLeastSink) continue;
+      auto hit = caster->Cast(origin_m, ray_m, kLongestRange_m);
+      if (!hit) continue;
+      if (hit->surface == Surface::kWater) {
+        *on_water = true;
+        const Vector3d place_m = origin_m + hit->range_m * ray_m;
+        hit->range_m += WaveHeight(place_m.head<2>(), t_s) / ray_m.z();
+      }
+      echoes.Add({hit->range_m, EchoEnergy(*hit, 1.0 / static_cast<double>(parts)), hit->surface});
+    }
+    return Detected(echoes, world_.lidar.range_resolution_m, world_.lidar.max_returns);
+  }
+
+  void FireBeam(std::size_t k, const FinePoses& poses, Random* random, TerrainCaster* caster,
+                CloudCounts* counts, StripCloud* cloud) const {
+    const double t_s = Epoch(k);
+    const MapPose pose = poses.At(t_s);
+    const Eigen::Matrix3d R_mb = pose.q_mb.toRotationMatrix();
+    const Vector3d origin_m = pose.p_mb + R_mb * world_.scanner.lever_arm_b_m();
+    const Vector3d beam_s = Beam(k);
+    bool on_water = false;
+    const Echoes echoes =
+        Receive(origin_m, R_mb * world_.scanner.R_bs(t_s), beam_s, t_s, random, caster, &on_water);
+    if (on_water && echoes.count == 0) ++counts->on_water;
+    std::vector<Return> returns;
+    for (std::size_t i = 0; i < echoes.count; ++i) {
+      returns.push_back(MakeReturn(echoes.list[i], scan_.height_m()));
+    }
+    if (world_.noise && random->Uniform() < world_.lidar.noise_share) {
+      AddFalseReturn(scan_.height_m(), random, &returns);
+    }
+    for (std::size_t i = 0; i < returns.size(); ++i) {
+      AddPoint(pose, returns[i].range_m * beam_s, random, cloud);
+      cloud->intensity.push_back(returns[i].intensity);
+      cloud->classification.push_back(returns[i].point_class);
+      cloud->flags.push_back(returns[i].flags);
+      cloud->return_number.push_back(static_cast<std::uint8_t>(i + 1));
+      cloud->returns_after.push_back(static_cast<std::uint8_t>(returns.size() - i - 1));
+    }
   }
 
   const World& world_;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "scene.h"
 #include "terrain_objects.h"
 
 namespace dn {
@@ -24,6 +25,8 @@ constexpr double kRayStep_m = 0.25;
 constexpr int kWavesPerOctave = 4;
 constexpr double kSmallestCell_m = 12.0;  // for buildings; in smaller cells they would touch
 constexpr double kSmallestTreeCell_m = 4.0;
+constexpr double kSmallestTownCell_m = 26.0;  // leaves room for streets
+constexpr double kPitDepth_m = 1.0;           // no plants grow where the ground is lowered by more
 
 /// Returns range_m after as many steps along a ray as stay below limit_m. Any number of steps is
 /// exact up to the next power of two, where the resolution of a double changes. These steps are
@@ -47,12 +50,20 @@ Terrain::Terrain(const TerrainScenario& scenario)
     : scenario_(scenario), roughness_(scenario.roughness_m, scenario.seed) {
   const TerrainKind kind = scenario_.kind;
   const bool flat = kind == TerrainKind::kFlat;
-  const bool houses = kind == TerrainKind::kBuiltUp || kind == TerrainKind::kMixed;
+  const bool town = kind == TerrainKind::kTown;
+  const bool houses = town || kind == TerrainKind::kBuiltUp || kind == TerrainKind::kMixed;
   const std::uint64_t seed = scenario_.seed;
   if (houses) {
-    buildings_ = {CellSize(scenario_.buildings_per_km2, kSmallestCell_m), MixBits(seed) ^ 1};
+    const double smallest_m = town ? kSmallestTownCell_m : kSmallestCell_m;
+    buildings_ = {CellSize(scenario_.buildings_per_km2, smallest_m), MixBits(seed) ^ 1};
+    if (town) buildings_.margin_m = Streets::kHalfWidth_m;
   }
-  if (!flat) trees_ = {CellSize(scenario_.trees_per_km2, kSmallestTreeCell_m), MixBits(seed) ^ 2};
+  if (IsDetailed(kind)) {
+    scene_ = std::make_shared<const Scene>(
+        Scene{Plants(scenario_), Streets(scenario_, buildings_.cell_m), MakeLandform(scenario_)});
+  } else if (!flat) {
+    trees_ = {CellSize(scenario_.trees_per_km2, kSmallestTreeCell_m), MixBits(seed) ^ 2};
+  }
 
   if (!flat && scenario_.relief_m > 0.0) {
     Random random(seed, "terrain");
@@ -78,7 +89,44 @@ Terrain::Terrain(const TerrainScenario& scenario)
                (objects ? kTallestObject_m : 0.0);
   above_relief_m_ = roughness_.bound_m() +
                     (objects ? kTallestObject_m + relief_slope_bound_ * kWidestObject_m : 0.0);
+  highest_m_ += tallest_plant_m();
+  if (scene_ && scene_->landform) {
+    const double shape_m = scene_->landform->Everywhere().highest_m;
+    highest_m_ += shape_m;
+    above_relief_m_ += shape_m;
+  }
   if (scenario_.water_share > 0.0) water_m_ = WaterLevel();
+}
+
+double Terrain::lowest_m() const {
+  const double lowest_m = scenario_.base_m - relief_bound_m_ - roughness_.bound_m();
+  const bool shaped = scene_ && scene_->landform;
+  return shaped ? lowest_m + scene_->landform->Everywhere().lowest_m : lowest_m;
+}
+
+double Terrain::tallest_plant_m() const {
+  return scene_ && !scene_->plants.empty() ? Plants::kTallest_m : 0.0;
+}
+
+double Terrain::ShapeSlope() const {
+  return scene_ && scene_->landform ? scene_->landform->Everywhere().slope : 0.0;
+}
+
+double Terrain::DryGround(const Vector2d& en_m) const {
+  const double height_m = Relief(en_m) + roughness_.At(en_m);
+  return scene_ && scene_->landform ? height_m + scene_->landform->At(en_m) : height_m;
+}
+
+bool Terrain::SetOnGround(Plant* plant) const {
+  const Vector2d en_m = plant->foot_m.head<2>();
+  if (scene_->streets.OnStreet(en_m) || Water(en_m)) return false;
+  if (scene_->landform && scene_->landform->At(en_m) < -kPitDepth_m) return false;
+  if (buildings_.cell_m > 0.0) {
+    const auto building = BuildingIn(CellAt(en_m, buildings_.cell_m));
+    if (building && building->Above(en_m) >= 0.0) return false;
+  }
+  plant->foot_m.z() = Ground(en_m);
+  return true;
 }
 
 /// Returns the height below which the given fraction of the ground lies, estimated from samples.
@@ -114,14 +162,15 @@ double Terrain::Relief(const Vector2d& en_m) const {
 }
 
 bool Terrain::BuiltUp(const Vector2d& en_m) const {
-  if (scenario_.kind != TerrainKind::kMixed) return scenario_.kind == TerrainKind::kBuiltUp;
-  const double k = 2.0 * kPi / 700.0;  // villages, and fields between them
+  if (scenario_.kind != TerrainKind::kMixed) return true;  // all other kinds with houses
+  const double k = 2.0 * kPi / 700.0;                      // villages, and fields between them
   const double phase = static_cast<double>(scenario_.seed % 1000);
   return std::sin(k * en_m.x() + phase) + std::sin(k * en_m.y() + 2.0 * phase) > -0.3;
 }
 
 std::optional<Building> Terrain::BuildingIn(const Vector2i& cell) const {
-  const Building building(CellNumbers(buildings_.seed, cell), cell, buildings_.cell_m);
+  const Building building(CellNumbers(buildings_.seed, cell), cell, buildings_.cell_m,
+                          buildings_.margin_m);
   if (!BuiltUp(building.centre_en_m) || Water(building.centre_en_m)) return std::nullopt;
   return building;
 }
@@ -220,7 +269,8 @@ class Terrain::AlongRay {
   const Terrain& terrain_;
   const Vector3d origin_m_;
   const Vector3d direction_;
-  const double ground_slope_ = terrain_.relief_slope_bound_ + terrain_.roughness_.slope_bound();
+  const double ground_slope_ =
+      terrain_.relief_slope_bound_ + terrain_.roughness_.slope_bound() + terrain_.ShapeSlope();
   double above_from_m_ = 0.0, above_to_m_ = -1.0;  // the ray meets no ground between these ranges
   Objects objects_;
 };

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "ray_stretch.h"
+#include "scene.h"
 #include "terrain_objects.h"
 
 namespace dn {
@@ -19,25 +21,15 @@ using Eigen::Vector2i;
 using Eigen::Vector3d;
 
 constexpr double kTile_m = 16.0;
-constexpr double kTileRadius_m = 0.5 * std::numbers::sqrt2 * kTile_m;
-constexpr std::size_t kTiles = 4096;  // number of tiles in the cache; a power of two
-constexpr double kNear_m = 1e-3;      // above ground
+constexpr double kDetailedTile_m = 4.0;  // a tile of a forest then has some ten plants
+// Number of tiles in a row and a column of the cache, powers of two.
+constexpr int kTilesPerRow = 64, kDetailedTilesPerRow = 256;
+constexpr double kNear_m = 1e-3;  // above ground
 constexpr double kOnGround_m = 1e-11;
 constexpr double kSameRange_m = 1e-10;
-constexpr double kNowhere = std::numeric_limits<double>::infinity();
-
-/// Part of a ray between two ranges.
-struct Stretch {
-  double from_m, to_m;
-  bool empty() const { return !(from_m <= to_m); }
-
-  /// Returns the part with |start + rate t| <= half.
-  Stretch Within(double start, double rate, double half) const {
-    if (rate == 0.0) return std::abs(start) <= half ? *this : Stretch{kNowhere, -kNowhere};
-    const double a = (-half - start) / rate, b = (half - start) / rate;
-    return {std::max(from_m, std::min(a, b)), std::min(to_m, std::max(a, b))};
-  }
-};
+constexpr double kNowhere = Stretch::kNowhere;
+// A wall is seen from above at a small angle; this is a usual cosine.
+constexpr double kWallCosine = 0.3;
 
 /// Returns the first root of a t^2 + 2 b t + c in the stretch; the function is positive at its
 /// start.
@@ -76,34 +68,49 @@ double RootBetween(const F& clearance_m, double a, double at_a, double b, double
 }  // namespace
 
 struct TerrainCaster::House {
+  static constexpr Surface kSurface = Surface::kBuilding;
+
   Building building;
   double ground_m;
+
+  /// Returns the cosine of incidence of a ray that ends at a point of the house.
+  double Cosine(const Vector3d& direction, const Vector3d& end_m) const;
 };
 
 struct TerrainCaster::Crown {
+  static constexpr Surface kSurface = Surface::kHighPlant;
+
   Tree tree;
   double ground_m;
+
+  static double Cosine(const Vector3d& direction, const Vector3d&) { return -direction.z(); }
 };
+
+double TerrainCaster::House::Cosine(const Vector3d& direction, const Vector3d& end_m) const {
+  const double across_m = building.ToAxes(end_m.head<2>()).y();
+  if (end_m.z() < ground_m + building.RoofAcross(across_m) - kNear_m) return kWallCosine;
+  const Vector2d across_axis(-building.axis.y(), building.axis.x());
+  const double rise =
+      building.gabled ? -std::copysign(building.slope, across_m) : 0.5 * building.slope;
+  Vector3d normal = Vector3d::UnitZ();
+  normal.head<2>() = -rise * across_axis;
+  return std::max(0.0, -direction.dot(normal.normalized()));
+}
 
 struct TerrainCaster::Tile {
   Vector2i cell = Vector2i::Constant(std::numeric_limits<int>::min());
-  double ground_top_m = 0.0;  // the ground is nowhere higher
-  double top_m = 0.0;         // nothing on the tile is higher
-  double slope = 0.0;         // the ground is nowhere steeper
+  double ground_top_m = 0.0;            // the ground is nowhere higher
+  double top_m = 0.0;                   // nothing on the tile is higher
+  double slope = 0.0;                   // the ground is nowhere steeper
+  Vector3d normal = Vector3d::UnitZ();  // normal of the ground at the centre
   std::vector<House> houses;
   std::vector<Crown> crowns;
+  std::vector<Plant> plants;
+  std::vector<Car> cars;
 };
 
-struct TerrainCaster::Ray {
-  Vector3d origin_m;
-  Vector3d direction;
-  double across = direction.head<2>().norm();
-
-  double Height(double range_m) const { return origin_m.z() + range_m * direction.z(); }
-  Vector2d Place(double range_m) const {
-    return origin_m.head<2>() + range_m * direction.head<2>();
-  }
-  double RangeAtHeight(double height_m) const { return (height_m - origin_m.z()) / direction.z(); }
+struct TerrainCaster::Ray : LaserRay {
+  using LaserRay::LaserRay;
 
   /// Returns the range at which the ray meets a wall or the roof of the house.
   std::optional<double> Hit(const House& house, const Stretch& within) const;
@@ -161,7 +168,13 @@ std::optional<double> TerrainCaster::Ray::Hit(const Crown& crown, const Stretch&
   return s ? std::optional(closest_m + *s) : std::nullopt;
 }
 
-TerrainCaster::TerrainCaster(const Terrain& terrain) : terrain_(terrain), tiles_(kTiles) {
+TerrainCaster::TerrainCaster(const Terrain& terrain, std::uint64_t visit)
+    : terrain_(terrain),
+      visit_(visit),
+      tile_m_(terrain.scene_ ? kDetailedTile_m : kTile_m),
+      tile_radius_m_(0.5 * std::numbers::sqrt2 * tile_m_),
+      tiles_per_row_(terrain.scene_ ? kDetailedTilesPerRow : kTilesPerRow),
+      tiles_(static_cast<std::size_t>(tiles_per_row_ * tiles_per_row_)) {
   for (const Terrain::Wave& wave : terrain_.waves_) {
     curvature_bound_ += wave.amplitude_m * wave.wavenumber.squaredNorm();
   }
@@ -170,16 +183,15 @@ TerrainCaster::TerrainCaster(const Terrain& terrain) : terrain_(terrain), tiles_
 TerrainCaster::~TerrainCaster() = default;
 
 const TerrainCaster::Tile& TerrainCaster::TileAt(const Vector2i& cell) {
-  constexpr int kRow = 64;  // row length of the cache: neighbouring tiles never share a place
-  const auto column = static_cast<std::size_t>(cell.x() & (kRow - 1));
-  const auto row = static_cast<std::size_t>(cell.y() & (kRow - 1));
-  Tile& tile = tiles_[row * kRow + column];
+  const int mask = tiles_per_row_ - 1;  // neighbouring tiles never share a place
+  const int place = (cell.y() & mask) * tiles_per_row_ + (cell.x() & mask);
+  Tile& tile = tiles_[static_cast<std::size_t>(place)];
   if (tile.cell != cell) Survey(cell, &tile);
   return tile;
 }
 
 void TerrainCaster::Survey(const Vector2i& cell, Tile* tile) const {
-  const Vector2d centre_en_m = (cell.cast<double>() + Vector2d::Constant(0.5)) * kTile_m;
+  const Vector2d centre_en_m = (cell.cast<double>() + Vector2d::Constant(0.5)) * tile_m_;
   tile->cell = cell;
   BoundGround(centre_en_m, tile);
   tile->top_m = tile->ground_top_m;
@@ -187,6 +199,11 @@ void TerrainCaster::Survey(const Vector2i& cell, Tile* tile) const {
   tile->crowns.clear();
   if (terrain_.buildings_.cell_m > 0.0) AddHouses(centre_en_m, tile);
   if (terrain_.trees_.cell_m > 0.0) AddCrowns(centre_en_m, tile);
+  tile->plants.clear();
+  tile->cars.clear();
+  if (!terrain_.scene_) return;
+  AddPlants(centre_en_m, tile);
+  if (terrain_.buildings_.cell_m > 0.0) AddCars(centre_en_m, tile);
 }
 
 void TerrainCaster::BoundGround(const Vector2d& centre_en_m, Tile* tile) const {
@@ -195,19 +212,25 @@ void TerrainCaster::BoundGround(const Vector2d& centre_en_m, Tile* tile) const {
     const double phase_rad = wave.wavenumber.dot(centre_en_m) + wave.phase_rad;
     gradient += wave.amplitude_m * std::cos(phase_rad) * wave.wavenumber;
   }
-  const double bend = curvature_bound_ * kTileRadius_m;
+  const double bend = curvature_bound_ * tile_radius_m_;
   const double slope = gradient.norm();
   const Roughness& roughness = terrain_.roughness_;
   tile->slope = std::min(terrain_.relief_slope_bound_, slope + bend) + roughness.slope_bound();
   tile->ground_top_m =
-      terrain_.Relief(centre_en_m) + (slope + 0.5 * bend) * kTileRadius_m + roughness.bound_m();
+      terrain_.Relief(centre_en_m) + (slope + 0.5 * bend) * tile_radius_m_ + roughness.bound_m();
+  tile->normal = Vector3d(-gradient.x(), -gradient.y(), 1.0).normalized();
+  if (terrain_.scene_ && terrain_.scene_->landform) {
+    const Landform::Bounds shape = terrain_.scene_->landform->Near(centre_en_m, tile_radius_m_);
+    tile->slope += shape.slope;
+    tile->ground_top_m += shape.highest_m;
+  }
   if (terrain_.water_m_) tile->ground_top_m = std::max(tile->ground_top_m, *terrain_.water_m_);
 }
 
-/// Calls visit(cell) for the cells of a grid that overlap a tile.
+/// Calls visit(cell) for the cells of a grid that overlap a square.
 template <class Visit>
-void ForCells(const Vector2d& centre_en_m, double cell_m, const Visit& visit) {
-  const Vector2d half = Vector2d::Constant(0.5 * kTile_m);
+void ForCells(const Vector2d& centre_en_m, double edge_m, double cell_m, const Visit& visit) {
+  const Vector2d half = Vector2d::Constant(0.5 * edge_m);
   const Vector2i first = CellAt(centre_en_m - half, cell_m);
   const Vector2i last = CellAt(centre_en_m + half, cell_m);
   for (int x = first.x(); x <= last.x(); ++x) {
@@ -216,24 +239,47 @@ void ForCells(const Vector2d& centre_en_m, double cell_m, const Visit& visit) {
 }
 
 void TerrainCaster::AddHouses(const Vector2d& centre_en_m, Tile* tile) const {
-  ForCells(centre_en_m, terrain_.buildings_.cell_m, [&](const Vector2i& cell) {
+  ForCells(centre_en_m, tile_m_, terrain_.buildings_.cell_m, [&](const Vector2i& cell) {
     const auto building = terrain_.BuildingIn(cell);
     if (!building) return;
     const double apart_m = (building->centre_en_m - centre_en_m).norm();
-    if (apart_m > kTileRadius_m + building->radius_m()) return;
+    if (apart_m > tile_radius_m_ + building->radius_m()) return;
     tile->houses.push_back({*building, terrain_.Relief(building->centre_en_m)});
     tile->top_m = std::max(tile->top_m, tile->houses.back().ground_m + building->highest_m());
   });
 }
 
 void TerrainCaster::AddCrowns(const Vector2d& centre_en_m, Tile* tile) const {
-  ForCells(centre_en_m, terrain_.trees_.cell_m, [&](const Vector2i& cell) {
+  ForCells(centre_en_m, tile_m_, terrain_.trees_.cell_m, [&](const Vector2i& cell) {
     const auto tree = terrain_.TreeIn(cell);
     if (!tree) return;
     const double apart_m = (tree->centre_en_m - centre_en_m).norm();
-    if (apart_m > kTileRadius_m + tree->radius_m) return;
+    if (apart_m > tile_radius_m_ + tree->radius_m) return;
     tile->crowns.push_back({*tree, terrain_.Relief(tree->centre_en_m)});
     tile->top_m = std::max(tile->top_m, tile->crowns.back().ground_m + tree->height_m);
+  });
+}
+
+void TerrainCaster::AddPlants(const Vector2d& centre_en_m, Tile* tile) const {
+  terrain_.scene_->plants.ForEachNear(centre_en_m, tile_radius_m_, [&](const Plant& grown) {
+    Plant plant = grown;
+    if (!terrain_.SetOnGround(&plant)) return;
+    tile->plants.push_back(plant);
+    tile->top_m = std::max(tile->top_m, plant.foot_m.z() + plant.height_m);
+  });
+}
+
+void TerrainCaster::AddCars(const Vector2d& centre_en_m, Tile* tile) const {
+  // A square has the cars on its western and southern border, half of them outside of it.
+  const double reach_m = tile_m_ + 2.0 * Streets::kHalfWidth_m;
+  ForCells(centre_en_m, reach_m, terrain_.buildings_.cell_m, [&](const Vector2i& square) {
+    for (Car& car : terrain_.scene_->streets.CarsAt(square, visit_)) {
+      const double apart_m = (car.centre_en_m() - centre_en_m).norm();
+      if (apart_m > tile_radius_m_ + Streets::kLongestCar_m) continue;
+      car.RaiseBy(terrain_.Ground(car.centre_en_m()));
+      tile->top_m = std::max(tile->top_m, car.cabin_m.max().z());
+      tile->cars.push_back(car);
+    }
   });
 }
 
@@ -264,31 +310,51 @@ std::optional<double> TerrainCaster::GroundHit(const Tile& tile, const Ray& ray,
   return std::nullopt;
 }
 
-std::optional<double> TerrainCaster::CastInTile(const Tile& tile, const Ray& ray, double from_m,
+std::optional<RayHit> TerrainCaster::FirstPlant(const Tile& tile, const Ray& ray, double from_m,
                                                 double to_m) const {
-  double first_m = GroundHit(tile, ray, from_m, to_m).value_or(kNowhere);
+  std::optional<RayHit> first;
+  for (const Plant& plant : tile.plants) {
+    const double before_m = first ? first->range_m : to_m;
+    const auto hit = plant.FirstHit(ray, {from_m, before_m});
+    if (hit && hit->range_m <= before_m) first = hit;
+  }
+  return first;
+}
+
+std::optional<RayHit> TerrainCaster::CastInTile(const Tile& tile, const Ray& ray, double from_m,
+                                                double to_m) const {
+  std::optional<RayHit> first = FirstPlant(tile, ray, from_m, to_m);
+  const double before_m = first ? first->range_m : to_m;
+  const auto on_ground_m = GroundHit(tile, ray, from_m, before_m);
+  if (on_ground_m) first = {*on_ground_m, Surface::kGround, -ray.direction.dot(tile.normal)};
   const auto meet = [&](const auto& object) {
-    const auto hit_m = ray.Hit(object, {from_m, std::min(to_m, first_m)});
-    if (hit_m) first_m = std::min(first_m, *hit_m);
+    const auto hit_m = ray.Hit(object, {from_m, std::min(to_m, first ? first->range_m : kNowhere)});
+    if (!hit_m || (first && first->range_m <= *hit_m)) return;
+    first = {*hit_m, object.kSurface, object.Cosine(ray.direction, ray.At(*hit_m))};
   };
   std::for_each(tile.houses.begin(), tile.houses.end(), meet);
   std::for_each(tile.crowns.begin(), tile.crowns.end(), meet);
-  return first_m < kNowhere ? std::optional(first_m) : std::nullopt;
+  for (const Car& car : tile.cars) {
+    const double nearest_m = first ? first->range_m : to_m;
+    const auto hit_m = car.FirstHit(ray.origin_m, ray.direction, {from_m, nearest_m});
+    if (hit_m) first = {*hit_m, Surface::kCar, -ray.direction.z()};
+  }
+  return first;
 }
 
 std::optional<RayHit> TerrainCaster::Cast(const Vector3d& origin_m, const Vector3d& direction,
                                           double max_range_m) {
   if (!(direction.z() < 0.0)) throw InvalidInput("a laser ray must point downwards");
-  const Ray ray{origin_m, direction};
+  const Ray ray(origin_m, direction);
   double from_m = std::max(0.0, ray.RangeAtHeight(terrain_.highest_m()));
-  Vector2i cell = CellAt(ray.Place(from_m), kTile_m);
+  Vector2i cell = CellAt(ray.Place(from_m), tile_m_);
   Vector2i step;
   // Ranges at which the ray leaves the tile to the east or west, and to the north or south.
   Vector2d exit_m, spacing_m;
   for (int k = 0; k < 2; ++k) {
     step[k] = direction[k] > 0.0 ? 1 : -1;
-    spacing_m[k] = direction[k] == 0.0 ? kNowhere : kTile_m / std::abs(direction[k]);
-    const double border_m = (cell[k] + (step[k] > 0 ? 1 : 0)) * kTile_m;
+    spacing_m[k] = direction[k] == 0.0 ? kNowhere : tile_m_ / std::abs(direction[k]);
+    const double border_m = (cell[k] + (step[k] > 0 ? 1 : 0)) * tile_m_;
     exit_m[k] = direction[k] == 0.0 ? kNowhere : (border_m - origin_m[k]) / direction[k];
   }
   while (from_m < max_range_m) {
@@ -296,11 +362,15 @@ std::optional<RayHit> TerrainCaster::Cast(const Vector3d& origin_m, const Vector
     const double to_m = std::min(exit_m[k], max_range_m);
     const Tile& tile = TileAt(cell);
     if (ray.Height(to_m) <= tile.top_m) {
-      const auto hit_m = CastInTile(tile, ray, from_m, to_m);
-      if (hit_m) {
-        const Vector2d place = ray.Place(*hit_m);
-        const bool low = terrain_.water_m_ && ray.Height(*hit_m) < *terrain_.water_m_ + kNear_m;
-        return RayHit{*hit_m, low && terrain_.Water(place)};
+      auto hit = CastInTile(tile, ray, from_m, to_m);
+      if (hit) {
+        const double up_m = ray.Height(hit->range_m);
+        const bool low = terrain_.water_m_ && up_m < *terrain_.water_m_ + kNear_m;
+        if (low && terrain_.Water(ray.Place(hit->range_m))) {
+          hit->surface = Surface::kWater;
+          hit->cosine = -direction.z();
+        }
+        return hit;
       }
     }
     from_m = std::max(from_m, to_m);

@@ -44,8 +44,8 @@ struct Building {
   double slope;    // slope of the roof, 0: flat
   bool gabled;
 
-  Building(CellNumbers numbers, const Eigen::Vector2i& cell, double cell_m) {
-    const double room_m = 0.5 * cell_m - 0.5;  // radius of the circle that must contain the house
+  Building(CellNumbers numbers, const Eigen::Vector2i& cell, double cell_m, double margin_m) {
+    const double room_m = 0.5 * cell_m - margin_m;  // radius of a circle that contains the house
     const double radius_m = std::min(room_m, numbers.Next(7.0, 16.0));
     const double aspect = numbers.Next(0.45, 1.0);
     half_length_m = radius_m / std::hypot(1.0, aspect);

@@ -99,6 +99,28 @@ TEST(FormatScenario, EveryKeyIsReadBackToTheSameFlight) {
   ExpectSameFlight(FlyPlain(scenario).flight, FlyPlain(again).flight);
 }
 
+TEST(FormatScenario, KeysOfADetailedTerrainAreReadBack) {
+  Scenario scenario = OddScenario();
+  scenario.terrain.kind = TerrainKind::kForest;
+  scenario.terrain.cars_per_km2 = 7.0;
+  scenario.terrain.conifer_share = 0.3;
+  scenario.terrain.leaves = false;
+  scenario.lidar.pattern = ScanPattern::kZigzag;
+  scenario.lidar.max_returns = 4;
+  scenario.lidar.range_resolution_m = 1.7;
+  scenario.lidar.noise_share = 0.003;
+  scenario.lidar.scan_variation = 0.04;
+  const Scenario again = ParseScenario(FormatScenario(scenario), "again.yaml");
+  EXPECT_EQ(again.terrain.cars_per_km2, 7.0);
+  EXPECT_EQ(again.terrain.conifer_share, 0.3);
+  EXPECT_FALSE(again.terrain.leaves);
+  EXPECT_EQ(again.lidar.pattern, ScanPattern::kZigzag);
+  EXPECT_EQ(again.lidar.max_returns, 4);
+  EXPECT_EQ(again.lidar.range_resolution_m, 1.7);
+  EXPECT_EQ(again.lidar.noise_share, 0.003);
+  EXPECT_EQ(again.lidar.scan_variation, 0.04);
+}
+
 TEST(FormatScenario, KeepsEveryShippedScenario) {
   for (const std::string& name : ScenarioNames()) {
     const Scenario scenario = ReadScenario(name);

@@ -122,6 +122,14 @@ TEST(ParseScenario, ReportsErrorAndLocation) {
   EXPECT_THAT(Fault(kGood + "terrain: {relief_m: 10, water_share: 0.95}\n"),
               HasSubstr("terrain.water_share: must be at most 0.9"));
   EXPECT_THAT(Fault(kGood + "terrain: {water_share: 0.2}\n"), HasSubstr("water needs a relief"));
+  EXPECT_THAT(Fault(kGood + "terrain: {kind: forest, conifer_share: 1.5}\n"),
+              HasSubstr("conifer_share: must be at most 1"));
+  EXPECT_THAT(Fault(kGood + "terrain: {kind: mixed, leaves: false}\n"),
+              HasSubstr("only allowed on a terrain of kind forest"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, max_returns: 6")),
+              HasSubstr("max_returns: must be at most 5"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, noise_share: 0.01")),
+              HasSubstr("needs max_returns of 2 or more"));
   EXPECT_THAT(Fault(kGood + "terrain: {roughness_m: 11}\n"),
               HasSubstr("terrain.roughness_m is 11"));
   EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, sigma_range_m: -1")),

@@ -147,7 +147,7 @@ TEST(TerrainCaster, KnowsWaterAndItsShare) {
     const RandomRay ray(terrain, random);
     const auto hit = caster.Cast(ray.origin_m, ray.direction, 2e4);
     ASSERT_TRUE(hit);
-    if (!hit->water) continue;
+    if (hit->surface != Surface::kWater) continue;
     const double height_m = ray.At(hit->range_m).z();
     if (wet++ == 0) level_m = height_m;
     EXPECT_NEAR(height_m, level_m, kSame_m);

@@ -61,7 +61,22 @@ struct PlanScenario {
 };
 
 /// Kinds of landscape that a scenario can select.
-enum class TerrainKind { kBuiltUp, kMixed, kNatural, kMountain, kFlat };
+enum class TerrainKind {
+  kBuiltUp,
+  kMixed,
+  kNatural,
+  kMountain,
+  kFlat,
+  // The detailed kinds, which have plants that let light through, cars and man-made ground.
+  kForest,
+  kOrchard,
+  kTown,
+  kQuarry,
+  kFields
+};
+
+/// Returns true for the detailed kinds.
+inline bool IsDetailed(TerrainKind kind) { return kind >= TerrainKind::kForest; }
 
 /// Shape of the ground, and objects on it.
 struct TerrainScenario {
@@ -71,8 +86,11 @@ struct TerrainScenario {
   double base_m = 0.0;        ///< mean height of the ground above the origin of m
   double buildings_per_km2 = 0.0;
   double trees_per_km2 = 0.0;
-  double roughness_m = 0.0;  ///< rms of the relief of a few metres and less (Roughness)
-  double water_share = 0.0;  ///< fraction of the ground that is water: the lowest part of it
+  double roughness_m = 0.0;    ///< rms of the relief of a few metres and less (Roughness)
+  double water_share = 0.0;    ///< fraction of the ground that is water: the lowest part of it
+  double cars_per_km2 = 0.0;   ///< in a town
+  double conifer_share = 0.5;  ///< fraction of the trees of a forest that are conifers
+  bool leaves = true;          ///< false: deciduous plants of a detailed terrain are bare
   std::uint64_t seed = 1;
 };
 
@@ -97,8 +115,9 @@ struct GnssScenario {
 
 /// Arrangement of the laser beams of a scanner.
 enum class ScanPattern {
-  kLine,  ///< the beams lie in the plane perpendicular to the scan axis
-  kCone   ///< the beams lie on the cone of half angle fov/2 about the nadir axis
+  kLine,    ///< the beams lie in the plane perpendicular to the scan axis, and sweep to one side
+  kZigzag,  ///< the same plane, but the mirror swings to and fro and slows down at the sides
+  kCone     ///< the beams lie on the cone of half angle fov/2 about the nadir axis
 };
 
 /// Laser scanner and its mounting.
@@ -113,6 +132,11 @@ struct LidarScenario {
   double pulse_rate_hz = 0.0;        ///< from here on: only for point clouds
   double beam_divergence_rad = 0.0;  ///< full angle at which the intensity has fallen to 1/e^2
   double sigma_range_m = 0.0;
+  int max_returns = 1;  ///< returns per pulse; 1: only the first, and no intensities or classes
+  /// Distance behind a return within which the scanner cannot separate another one.
+  double range_resolution_m = 2.5;
+  double noise_share = 0.0;     ///< fraction of the pulses that give a false return
+  double scan_variation = 0.0;  ///< rms of the relative difference of scan rates between strips
 };
 
 /// Number and accuracy of the point pairs.

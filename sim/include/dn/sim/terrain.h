@@ -4,17 +4,21 @@
 #include <dn/sim/scenario.h>
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace dn {
 
 struct Building;
+struct Plant;
+struct Scene;
 struct Tree;
 
 /// Surface of the Earth in m, as a height over east and north: undulating ground with roughness,
 /// water, buildings and trees according to the scenario. The same seed always gives the same
-/// surface.
+/// surface. Plants that let light through and cars are not part of the surface; only TerrainCaster
+/// meets them.
 class Terrain {
  public:
   explicit Terrain(const TerrainScenario& scenario);
@@ -28,7 +32,9 @@ class Terrain {
 
   /// Bounds: no surface is higher than the first, no ground lower than the second.
   double highest_m() const { return highest_m_; }
-  double lowest_m() const { return scenario_.base_m - relief_bound_m_ - roughness_.bound_m(); }
+  double lowest_m() const;
+  /// Returns an upper bound of the height of plants above the ground.
+  double tallest_plant_m() const;
 
   /// Returns the distance along a downward ray (unit direction) to the first point on the surface,
   /// if it is less than max_range_m. Objects narrower than 0.25 m along the ray may be missed.
@@ -49,14 +55,19 @@ class Terrain {
   struct Grid {
     double cell_m = 0.0;  // 0: no such objects
     std::uint64_t seed = 0;
+    double margin_m = 0.5;  // free space between a building and the border of its cell
   };
   double Relief(const Eigen::Vector2d& en_m) const;  // relief without roughness and water
-  double DryGround(const Eigen::Vector2d& en_m) const { return Relief(en_m) + roughness_.At(en_m); }
+  double DryGround(const Eigen::Vector2d& en_m) const;
   // Returns the height below which the share of water of the scenario lies.
   double WaterLevel() const;
   // Returns the object in a cell; nullopt if the cell is empty.
   std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
   std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
+  // Returns an upper bound of the slopes that the landform adds.
+  double ShapeSlope() const;
+  // Moves a plant onto the ground; returns false where no plant can stand.
+  bool SetOnGround(Plant* plant) const;
   // Returns true if a point lies in a built-up area.
   bool BuiltUp(const Eigen::Vector2d& en_m) const;
 
@@ -65,7 +76,8 @@ class Terrain {
   Grid buildings_;
   Grid trees_;
   Roughness roughness_;
-  std::optional<double> water_m_;  // height of all water
+  std::shared_ptr<const Scene> scene_;  // null: the terrain is not detailed
+  std::optional<double> water_m_;       // height of all water
   double relief_bound_m_ = 0.0;
   double relief_slope_bound_ = 0.0;
   double above_relief_m_ = 0.0;  // upper bound of all heights above the local relief

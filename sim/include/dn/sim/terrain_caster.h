@@ -3,15 +3,20 @@
 #include <dn/sim/terrain.h>
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace dn {
 
+/// Surface that a laser ray meets.
+enum class Surface { kGround, kWater, kBuilding, kCar, kLowPlant, kHighPlant };
+
 /// End point of a laser ray.
 struct RayHit {
   double range_m = 0.0;
-  bool water = false;
+  Surface surface = Surface::kGround;
+  double cosine = 1.0;  ///< of the angle between the ray and the normal of the surface; about
 };
 
 /// Intersects many neighbouring rays with the surface of a terrain. It caches ground data in square
@@ -21,7 +26,8 @@ struct RayHit {
 /// time. The terrain must outlive it.
 class TerrainCaster {
  public:
-  explicit TerrainCaster(const Terrain& terrain);
+  /// visit: number of the overflight. Cars that drive are elsewhere on every visit.
+  explicit TerrainCaster(const Terrain& terrain, std::uint64_t visit = 0);
   ~TerrainCaster();
 
   /// Returns the first point of a downward ray (unit direction) on the surface, if it is nearer
@@ -43,13 +49,20 @@ class TerrainCaster {
   void BoundGround(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
   void AddHouses(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
   void AddCrowns(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
-  // Returns the range of the first hit in a tile, between two ranges.
-  std::optional<double> CastInTile(const Tile& tile, const Ray& ray, double from_m,
+  void AddPlants(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
+  void AddCars(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
+  // Returns the first hit in a tile, between two ranges.
+  std::optional<RayHit> CastInTile(const Tile& tile, const Ray& ray, double from_m,
+                                   double to_m) const;
+  std::optional<RayHit> FirstPlant(const Tile& tile, const Ray& ray, double from_m,
                                    double to_m) const;
   std::optional<double> GroundHit(const Tile& tile, const Ray& ray, double from_m,
                                   double to_m) const;
 
   const Terrain& terrain_;
+  std::uint64_t visit_;
+  double tile_m_, tile_radius_m_;
+  int tiles_per_row_;
   // Bound of the second derivative of the relief in any direction, 1/m.
   double curvature_bound_ = 0.0;
   std::vector<Tile> tiles_;
