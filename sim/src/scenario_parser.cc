@@ -241,8 +241,8 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
   return gnss;
 }
 
-/// Reads the keys of several returns. detailed: true over a detailed terrain, where several are the
-/// default.
+/// Reads the keys of several returns. detailed: true over a detailed terrain, where several are
+/// the default.
 void ReadReturns(const YamlValue& s, bool detailed, LidarScenario* lidar) {
   constexpr long kMostReturns = 5;
   lidar->max_returns = detailed ? static_cast<int>(kMostReturns) : 1;
@@ -259,8 +259,8 @@ void ReadReturns(const YamlValue& s, bool detailed, LidarScenario* lidar) {
   if (lidar->scan_variation > 0.1) s["scan_variation"].Fail("must be at most 0.1");
 }
 
-/// `name` is that of a scanner in a list; it is empty without a list. detailed: true over a detailed
-/// terrain.
+/// `name` is that of a scanner in a list; it is empty without a list. detailed: true over a
+/// detailed terrain.
 LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detailed) {
   std::vector<std::string> keys{"R_sensor_to_body",
                                 "scan_axis",
