@@ -26,9 +26,11 @@ constexpr double kHeapSquare_m = 14.0;
 constexpr double kRepose = 0.7;  // tan(35 deg)
 constexpr double kHeaps = 0.4;   // share of the squares that have a heap
 constexpr double kFade_m = 6.0;
-// The distance to the rim changes by at most this much per metre. It is largest on the lowest face.
-const double kRimSlope = std::hypot(
-    1.0, kLobes* kWiggle* kRadius_m / (kRadius_m * (1.0 - kWiggle) - kBenches * kBench_m));
+// The distance to the rim changes by at most this much per metre. It is largest at the lowest face,
+// which is nearest to the middle of the pit.
+constexpr double kLowestFace_m = kRadius_m * (1.0 - kWiggle) - kBenches * kBench_m;
+constexpr double kTurning = kLobes * kWiggle * kRadius_m / kLowestFace_m;
+const double kRimSlope = std::hypot(1.0, kTurning);
 
 /// Returns the depth below the rim at a distance inside it.
 double DepthBelowRim(double inside_m) {
