@@ -45,7 +45,7 @@ VibrationScenario Multirotor() {
 }
 
 /// Engine with four cylinders near 1800 revolutions per minute, wheel hop and road.
-VibrationScenario Car() {
+VibrationScenario RoadVehicle() {
   VibrationScenario v;
   v.lines = {{60.0, Level({0.1, 0.1, 0.2}, {1.0, 1.5, 0.5}), 2, 0.05}};
   v.resonances = {{12.0, 0.2, Level({0.1, 0.1, 0.3}, {20.0, 20.0, 5.0})}};
@@ -59,7 +59,7 @@ const std::vector<Preset>& Presets() {
   static const std::vector<Preset> presets{{"helicopter", &Helicopter},
                                            {"light_aircraft", &LightAircraft},
                                            {"multirotor", &Multirotor},
-                                           {"car", &Car}};
+                                           {"car", &RoadVehicle}};
   return presets;
 }
 
