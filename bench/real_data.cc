@@ -1,7 +1,6 @@
 /// real_data DATA_DIR: computes the results of `dn smooth` for measured flights; its figures are in
 /// docs/validation/real-data.md.
 #include <dn/diagnosis/solution.h>
-#include <dn/solvers/prediction.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -118,74 +117,11 @@ void CompareWithReference(const Smoothed& smoothed) {
       std::sqrt(sigma2_rp / n) * kDegPerRad, std::sqrt(sigma2_h / n) * kDegPerRad);
 }
 
-/// Returns ten evenly spaced windows; the first and last are an eleventh of the flight from its
-/// ends.
-std::vector<TimeInterval> WithheldWindows(const FlightNetwork& network) {
-  constexpr int kWindows = 10;
-  constexpr double kLengthS = 5.0;
-  const double t0_s = network.trajectory().node_times().front(),
-               t1_s = network.trajectory().node_times().back();
-  std::vector<TimeInterval> windows;
-  for (int k = 1; k <= kWindows; ++k) {
-    const double middle_s = t0_s + (t1_s - t0_s) * k / (kWindows + 1);
-    windows.push_back({middle_s - 0.5 * kLengthS, middle_s + 0.5 * kLengthS});
-  }
-  return windows;
-}
-
-std::vector<GnssEdge> EdgesInside(const FlightNetwork& network,
-                                  const std::vector<TimeInterval>& windows) {
-  std::vector<GnssEdge> edges;
-  for (const GnssEdge& edge : network.gnss().edges()) {
-    const double t_s = network.trajectory().node_times()[edge.node];
-    for (const TimeInterval& window : windows) {
-      if (t_s >= window.t0_s && t_s <= window.t1_s) edges.push_back(edge);
-    }
-  }
-  return edges;
-}
-
-void PredictWithheld(const fs::path& folder) {
-  AdjustOptions options = InsGnss();
-  std::vector<GnssEdge> withheld;
-  options.customise = [&](FlightNetwork& network) {
-    withheld = EdgesInside(network, WithheldWindows(network));
-    for (const GnssEdge& edge : withheld) {
-      network.net().SetActive(edge.position, false);
-      if (edge.velocity >= 0) network.net().SetActive(edge.velocity, false);
-    }
-  };
-  const Smoothed smoothed(Read(folder), options);
-  const FlightNetwork& network = smoothed.solution.network();
-  Rms error;
-  double nis = 0.0;
-  Eigen::Vector3d worst = Eigen::Vector3d::Zero();
-  for (const GnssEdge& edge : withheld) {
-    const MapGnssEpoch& epoch = smoothed.flight.gnss->epochs[edge.epoch];
-    const Eigen::Vector3d antenna_m = network.net().Value(network.nodes()[edge.node].p_mb) +
-                                      network.net().Value(network.nodes()[edge.node].q_mb) *
-                                          smoothed.flight.config.gnss->lever_arm_b_m;
-    const Eigen::Vector3d e = antenna_m - epoch.p_m;
-    error.Add(e);
-    worst = worst.cwiseMax(e.cwiseAbs());
-    nis += PredictFactor(smoothed.solution.marginals(), edge.position).statistic / 3.0;
-  }
-  const Eigen::Vector3d r = error.rms();
-  fmt::print(
-      "ten windows of 5 s without GNSS, {} epochs withheld: predicted position off by {:.3f} "
-      "{:.3f} "
-      "{:.3f} m rms, {:.3f} {:.3f} {:.3f} m at most (east, north, up); error^2 / predicted "
-      "variance {:.2f}\n",
-      withheld.size(), r[0], r[1], r[2], worst[0], worst[1], worst[2],
-      nis / static_cast<double>(withheld.size()));
-}
-
 void Run(const fs::path& data) {
   for (const char* name : {"thor75", "walk", "psins-car"}) {
     const Smoothed smoothed(Read(data / name), InsGnss());
     Describe(name, smoothed);
     if (name == std::string("psins-car")) CompareWithReference(smoothed);
-    if (name == std::string("walk")) PredictWithheld(data / name);
   }
 }
 

@@ -44,6 +44,9 @@ constexpr double kControlledRedundancy = 0.1;
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
 constexpr int kScoreDraws = 400;
+// Within these times, the motion of the antenna and of the beam is linear enough for a clock offset
+// of first order.
+constexpr double kLongestLinearGnss_s = 0.2, kLongestLinearLidar_s = 0.05;
 
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
@@ -464,12 +467,12 @@ class Checker {
 
   void FindClocks(const JointScore& score) {
     if (!network_.gnss().edges().empty()) {
-      check_.clocks.gnss =
-          EstimateClock(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score);
+      check_.clocks.gnss = EstimateClock(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score,
+                                         kLongestLinearGnss_s);
     }
     if (!network_.pairs().edges().empty()) {
-      check_.clocks.lidar =
-          EstimateClock(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, score);
+      check_.clocks.lidar = EstimateClock(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift,
+                                          score, kLongestLinearLidar_s);
     }
     if (!gnss_clock_) return;
     check_.clocks.gnss = gnss_clock_;
@@ -499,8 +502,10 @@ class Checker {
     return {};
   }
 
+  /// Returns nullopt also for an offset beyond `longest_linear_s`, unless it is an unknown.
   std::optional<ClockEstimate> EstimateClock(EffectId offset, EffectId drift,
-                                             const JointScore& score) const {
+                                             const JointScore& score,
+                                             double longest_linear_s) const {
     std::vector<Eigen::Index> components = FindComponents(offset, score);
     const std::vector<Eigen::Index> drift_components = FindComponents(drift, score);
     components.insert(components.end(), drift_components.begin(), drift_components.end());
@@ -520,7 +525,9 @@ class Checker {
       *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
     };
     ClockEstimate clock;
+    const bool first_order = !FindComponents(offset, score).empty();
     take(offset, &clock.offset_s, &clock.sigma_offset_s);
+    if (first_order && std::abs(clock.offset_s) > longest_linear_s) return std::nullopt;
     take(drift, &clock.drift, &clock.sigma_drift);
     if (at == 2) {
       clock.correlation = test.covariance(0, 1) / (clock.sigma_offset_s * clock.sigma_drift);

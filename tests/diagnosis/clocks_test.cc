@@ -115,6 +115,31 @@ TEST(Clocks, OfAGoodFlightAreZeroWithinTheirSigmas) {
   }
 }
 
+/// Leap seconds that the tags of the GNSS receiver lack.
+class OldLeapSeconds : public ::testing::TestWithParam<double> {};
+
+INSTANTIATE_TEST_SUITE_P(Seconds, OldLeapSeconds, ::testing::Values(-2.0));
+INSTANTIATE_TEST_SUITE_P(ManyRuns, OldLeapSeconds, ::testing::Values(-3.0, -1.0, 1.0));
+
+// A clock within 2 s is estimated. Beyond, the adjustment ends, and its message has the value.
+TEST_P(OldLeapSeconds, AreNamedWithTheirValue) {
+  const SimulatedFlight sim = FlyWithReceiver({"", 0.02, 1.0, GetParam(), 0.0});
+  double found_s = 0.0;
+  AdjustOptions options;
+  options.with_pairs = false;
+  try {
+    const Adjustment adjustment = Adjust(sim.flight, options);
+    ASSERT_TRUE(adjustment.gnss_clock);
+    found_s = adjustment.gnss_clock->offset_s;
+  } catch (const SensorsContradict& error) {
+    const std::string text = error.what(), before = "the GNSS time tags are ";
+    ASSERT_THAT(text, HasSubstr(before));
+    const std::string late = text.find(" s late") != std::string::npos ? "" : "-";
+    found_s = std::stod(late + text.substr(text.find(before) + before.size()));
+  }
+  EXPECT_NEAR(found_s, GetParam(), 0.05);
+}
+
 TEST(Clocks, OfTheScannerAreReported) {
   const SimulatedFlight sim = Simulate(
       DroneScenario("effects: [{effect: lidar_time_offset, value: 0.005}]\n"), {.seed = 3});
@@ -124,6 +149,15 @@ TEST(Clocks, OfTheScannerAreReported) {
   EXPECT_TRUE(lidar->shows_offset());
   EXPECT_NEAR(lidar->offset_s, 0.005, kSigmas * lidar->sigma_offset_s);
   EXPECT_FALSE(solution.model_check().clocks.gnss->shows_offset());
+}
+
+// A score test gives 98 ms with a sigma of 0.6 ms: the beam does not move linearly for so long.
+TEST(Clocks, FarOffsetsAreNotReportedToFirstOrder) {
+  const SimulatedFlight sim =
+      Simulate(DroneScenario("effects: [{effect: lidar_time_offset, value: 0.1}]\n"), {.seed = 3});
+  const Solution solution(sim.flight);
+  EXPECT_FALSE(solution.model_check().clocks.lidar);
+  EXPECT_EQ(solution.CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
 TEST(Clocks, AreReportedWithSizeSigmaAndKey) {

@@ -11,4 +11,8 @@ namespace dn::adjustment_internal {
 /// and by half of what the test of the step predicts.
 bool StepExplains(AdjustmentRun& run, const GnssMisfit& misfit);
 
+/// Screens the GNSS epochs as ScreenGnss does, but does not look for a step of the clock, which
+/// takes most of the time.
+void ScreenGnssOutliers(AdjustmentRun& run);
+
 }  // namespace dn::adjustment_internal

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gnss_clock.h"
+#include "gnss_step_trial.h"
 #include "network_at.h"
 
 namespace dn::adjustment_internal {
@@ -58,6 +59,7 @@ Adjustment ScreenAgain(const Flight& flight, const AdjustOptions& options, Adjus
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);
   std::vector<AdjustmentStage> stages = DefaultStages(options.with_pairs);
+  FindStage("GNSS screening", &stages)->run = ScreenGnssOutliers;
   for (auto stage = stages.begin() + 1; stage != stages.end(); ++stage) stage->run(run);
   return Finish(&run);
 }

@@ -145,7 +145,8 @@ void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
 /// Screens the GNSS epochs of one flight.
 class EpochScreener {
  public:
-  explicit EpochScreener(AdjustmentRun& run) : run_(run) {}
+  EpochScreener(AdjustmentRun& run, bool clock_may_step)
+      : run_(run), clock_may_step_(clock_may_step) {}
 
   /// Makes one pass; returns false if nothing is left to change.
   bool Once() {
@@ -285,9 +286,22 @@ class EpochScreener {
   std::set<FactorId> rejected_;
   double noise_ratio_ = 1.0;  // see GnssScreening::Apply
   bool restored_ = false;
-  bool clock_may_step_ = true;
+  bool clock_may_step_;
   CostSummary held_, free_;  // with the assumed clock and with a free one, all epochs in use
 };
+
+void Screen(AdjustmentRun& run, bool clock_may_step) {
+  EpochScreener screener(run, clock_may_step);
+  for (int pass = 0; pass < kMaxScreenings; ++pass) {
+    run.Announce("GNSS screening");
+    CountRejected(run);
+    if (!screener.Once()) break;
+  }
+  screener.Finish();
+  CountRejected(run);
+  if (!run.result().gnss_clock) ExpectFit(run);
+  ExpectNearClock(run);
+}
 
 }  // namespace
 
@@ -314,17 +328,8 @@ void SolveInsGnss(AdjustmentRun& run) {
   }
 }
 
-void ScreenGnss(AdjustmentRun& run) {
-  EpochScreener screener(run);
-  for (int pass = 0; pass < kMaxScreenings; ++pass) {
-    run.Announce("GNSS screening");
-    CountRejected(run);
-    if (!screener.Once()) break;
-  }
-  screener.Finish();
-  CountRejected(run);
-  if (!run.result().gnss_clock) ExpectFit(run);
-  ExpectNearClock(run);
-}
+void ScreenGnss(AdjustmentRun& run) { Screen(run, true); }
+
+void adjustment_internal::ScreenGnssOutliers(AdjustmentRun& run) { Screen(run, false); }
 
 }  // namespace dn

@@ -28,7 +28,8 @@ struct ClockEstimate {
 };
 
 /// Clock errors of the sensors. One is absent if the sensor has no data in the adjustment, or if
-/// the flight cannot separate offset and drift from the other unknowns.
+/// the flight cannot separate offset and drift from the other unknowns. It is also absent if it is
+/// known only to first order and exceeds 0.2 s (GNSS) or 0.05 s (lidar).
 struct Clocks {
   std::optional<ClockEstimate> gnss, lidar;
 };
