@@ -15,6 +15,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestCells = 10;
+constexpr std::size_t kMostSampled = 500;
 constexpr double kMostNodes = 4e6;  // of a raster; larger ones get larger cells
 constexpr const char* kNoData = "-9999";
 
@@ -55,6 +56,29 @@ FlatSurface AsSurface(const std::vector<SurfaceDifference>& differences, double 
   FlatSurface surface{cell_m, {}};
   for (const SurfaceDifference& one : differences) surface.up_m.emplace(one.cell, one.up_m);
   return surface;
+}
+
+/// Returns a sample of the cells that are flat before and after: centres in the mapping frame, and
+/// their differences.
+Json SampleJson(const std::vector<SurfaceDifference>& before,
+                const std::vector<SurfaceDifference>& after, double cell_m) {
+  const FlatSurface old_ones = AsSurface(before, cell_m);
+  std::vector<SurfaceDifference> in_both;
+  std::ranges::copy_if(after, std::back_inserter(in_both), [&](const SurfaceDifference& one) {
+    return old_ones.up_m.contains(one.cell);
+  });
+  Json sample{{"east_m", Json::array()},
+              {"north_m", Json::array()},
+              {"before_m", Json::array()},
+              {"after_m", Json::array()}};
+  for (std::size_t k = 0; k < in_both.size(); k += in_both.size() / kMostSampled + 1) {
+    const Vector2d centre_m = CellCentre(in_both[k].cell, cell_m);
+    sample["east_m"].push_back(centre_m.x());
+    sample["north_m"].push_back(centre_m.y());
+    sample["before_m"].push_back(old_ones.up_m.at(in_both[k].cell));
+    sample["after_m"].push_back(in_both[k].up_m);
+  }
+  return sample;
 }
 
 /// A raster in the system of the points. ecef has no plane: its rasters are in the mapping frame.
@@ -143,17 +167,15 @@ Json ReportPair(const StripSurfaces& first, const StripSurfaces& second,
                 const std::vector<SurfaceDifference>& after, const PointCrs& crs, Run* run) {
   const double cell_m = first.after.cell_m;
   const std::string name = first.strip + "-" + second.strip;
-  const Statistics old_ones = Summarise(SurfaceDifferences(first.before, second.before)),
-                   new_ones = Summarise(after);
+  const auto before = SurfaceDifferences(first.before, second.before);
+  const Statistics old_ones = Summarise(before), new_ones = Summarise(after);
   PrintPair(name, old_ones, new_ones);
   const std::string file = "differences/" + name + ".asc";
   const FlatSurface surface = AsSurface(after, cell_m);
   run->AddFile(file, DifferenceRaster(surface, MeanHeight(first.after), crs).Text());
-  return {{"strips", {first.strip, second.strip}},
-          {"cell_m", cell_m},
-          {"before", StatisticsJson(old_ones)},
-          {"after", StatisticsJson(new_ones)},
-          {"raster", file}};
+  return {{"strips", {first.strip, second.strip}},       {"cell_m", cell_m},
+          {"before", StatisticsJson(old_ones)},          {"after", StatisticsJson(new_ones)},
+          {"sample", SampleJson(before, after, cell_m)}, {"raster", file}};
 }
 
 }  // namespace

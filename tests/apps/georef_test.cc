@@ -208,6 +208,14 @@ TEST(CliGeoref, StripsAreComparedOnFlatGround) {
   EXPECT_LT(pair["after"]["rms_m"].get<double>(), 0.05);
   EXPECT_GT(pair["before"]["rms_m"].get<double>(), 2.0 * pair["after"]["rms_m"].get<double>());
   EXPECT_LT(std::abs(pair["after"]["median_m"].get<double>()), 0.01);
+  const Json& sample = pair["sample"];
+  EXPECT_GT(sample["after_m"].size(), 200u);
+  EXPECT_LE(sample["after_m"].size(), 500u);
+  EXPECT_EQ(sample["before_m"].size(), sample["after_m"].size());
+  const std::string page = FileContent(in("out/report.html"));
+  EXPECT_THAT(page, HasSubstr("Height differences on flat ground, before"));
+  EXPECT_THAT(page, HasSubstr("Height differences on flat ground, after"));
+  EXPECT_THAT(page, HasSubstr("georef.json#/strip_differences/0/before/separation/to_8_cm"));
   std::istringstream raster(FileContent(in("out/" + pair["raster"].get<std::string>())));
   std::string word;
   long columns = 0, rows = 0, numbers = 0, cells = 0;

@@ -131,7 +131,7 @@ Curve MakeCloud(const std::string& label, const TextTable& pairs, std::size_t co
 
 double Length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
 
-void Place(const TextTable& pairs, PlacedPairs* placed) {
+void Place(const TextTable& pairs, PlacedDistances* placed) {
   for (std::size_t k = 0; k < pairs.rows(); ++k) {
     const double* row = pairs.row(k);
     placed->Add(row[kPlaceOfPair], row[kPlaceOfPair + 1], Length(row + kApartBefore),
@@ -141,7 +141,7 @@ void Place(const TextTable& pairs, PlacedPairs* placed) {
 
 void AddPictures(const ResultFolder& folder, const std::vector<CountStripPairs>& all,
                  Section* section) {
-  PlacedPairs placed;
+  PlacedDistances placed;
   ScatterChart before{"Differences before, seen from above", "east [m]", "north [m]", {}};
   ScatterChart after{"Differences after", "east [m]", "north [m]", {}};
   for (const CountStripPairs& of : all) {
@@ -151,7 +151,7 @@ void AddPictures(const ResultFolder& folder, const std::vector<CountStripPairs>&
     after.clouds.push_back(MakeCloud(of.strips, of.pairs, kApartAfter));
   }
   if (before.clouds.empty()) return;
-  for (MapChart& map : PairMaps(folder, placed)) {
+  for (MapChart& map : DistanceMaps(folder, "Location of the pairs", placed)) {
     section->contents.emplace_back(Chart{std::move(map)});
   }
   section->contents.emplace_back(Chart{std::move(before)});

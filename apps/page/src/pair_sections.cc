@@ -131,8 +131,8 @@ ScatterChart Against(const std::string& what, const TextTable& pairs, std::size_
   return chart;
 }
 
-PlacedPairs Placed(const TextTable& pairs) {
-  PlacedPairs placed;
+PlacedDistances Placed(const TextTable& pairs) {
+  PlacedDistances placed;
   for (std::size_t k = 0; k < pairs.rows(); ++k) {
     const double* row = pairs.row(k);
     placed.Add(row[kGround], row[kGround + 1],
@@ -154,7 +154,7 @@ Section PairSection(const ResultFolder& folder, const Facts& result, const std::
   if (!pairs) return section;
   const std::vector<double> t_s = Column(*pairs, kTime);
   const double start_s = *std::min_element(t_s.begin(), t_s.end());
-  for (MapChart& map : PairMaps(folder, Placed(*pairs))) {
+  for (MapChart& map : DistanceMaps(folder, "Location of the pairs", Placed(*pairs))) {
     section.contents.emplace_back(Chart{std::move(map)});
   }
   section.contents.emplace_back(Paragraph{

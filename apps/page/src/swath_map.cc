@@ -8,7 +8,9 @@ namespace dn::page_internal {
 namespace {
 
 constexpr std::size_t kMaxPlaces = 1800;
-constexpr double kOfAll = 0.98;  // share of the pairs inside the scale of colours
+constexpr double kOfAll = 0.98;  // share of the distances inside the scale of colours
+
+constexpr double kShortest_m = 1e-3;  // the scale of colours is logarithmic
 
 double ValueAtShare(std::vector<double> values, double share) {
   const auto at =
@@ -17,11 +19,11 @@ double ValueAtShare(std::vector<double> values, double share) {
   return *at;
 }
 
-void AddDots(const PlacedPairs& pairs, const std::vector<double>& apart_m, MapChart* map) {
-  const std::size_t step = pairs.east_m.size() / kMaxPlaces + 1;
-  for (std::size_t k = 0; k < pairs.east_m.size(); k += step) {
-    map->valued.x.push_back(pairs.east_m[k]);
-    map->valued.y.push_back(pairs.north_m[k]);
+void AddDots(const PlacedDistances& distances, const std::vector<double>& apart_m, MapChart* map) {
+  const std::size_t step = distances.east_m.size() / kMaxPlaces + 1;
+  for (std::size_t k = 0; k < distances.east_m.size(); k += step) {
+    map->valued.x.push_back(distances.east_m[k]);
+    map->valued.y.push_back(distances.north_m[k]);
     map->valued.value.push_back(apart_m[k]);
   }
 }
@@ -40,25 +42,26 @@ MapChart SwathMap(const ResultFolder& folder, const std::string& title) {
   return map;
 }
 
-void PlacedPairs::Add(double east, double north, double before, double after) {
+void PlacedDistances::Add(double east, double north, double before, double after) {
   east_m.push_back(east);
   north_m.push_back(north);
   before_m.push_back(before);
   after_m.push_back(after);
 }
 
-std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pairs) {
-  if (pairs.east_m.empty()) return {};
+std::vector<MapChart> DistanceMaps(const ResultFolder& folder, const std::string& title,
+                                   const PlacedDistances& distances) {
+  if (distances.east_m.empty()) return {};
   std::vector<MapChart> maps;
-  const double low_m = ValueAtShare(pairs.after_m, 1.0 - kOfAll);
-  const double high_m = std::max(ValueAtShare(pairs.before_m, kOfAll), 2.0 * low_m);
+  const double low_m = std::max(kShortest_m, ValueAtShare(distances.after_m, 1.0 - kOfAll));
+  const double high_m = std::max(ValueAtShare(distances.before_m, kOfAll), 2.0 * low_m);
   for (const auto& [when, apart_m] :
-       {std::pair("before", &pairs.before_m), {"after", &pairs.after_m}}) {
-    MapChart map = SwathMap(folder, std::string("Location of the pairs, ") + when);
+       {std::pair("before", &distances.before_m), {"after", &distances.after_m}}) {
+    MapChart map = SwathMap(folder, title + ", " + when);
     map.valued.label = std::string("apart ") + when + " [m]";
     map.valued.low = low_m;
     map.valued.high = high_m;
-    AddDots(pairs, *apart_m, &map);
+    AddDots(distances, *apart_m, &map);
     maps.push_back(std::move(map));
   }
   return maps;

@@ -13,16 +13,17 @@ namespace dn::page_internal {
 /// folder has no swaths.json.
 MapChart SwathMap(const ResultFolder& folder, const std::string& title);
 
-/// Pairs on the ground, with the distance between their points before and after, m.
-struct PlacedPairs {
+/// Places on the ground, with a distance before and after, m.
+struct PlacedDistances {
   std::vector<double> east_m, north_m;
   std::vector<double> before_m, after_m;
 
   void Add(double east, double north, double before, double after);
 };
 
-/// Returns two maps of the pairs over the strips with the same colours, before and after; none
-/// without pairs.
-std::vector<MapChart> PairMaps(const ResultFolder& folder, const PlacedPairs& pairs);
+/// Returns two maps of the places over the strips with the same colours, before and after; none
+/// without places. The titles are `title` with ", before" and ", after".
+std::vector<MapChart> DistanceMaps(const ResultFolder& folder, const std::string& title,
+                                   const PlacedDistances& distances);
 
 }  // namespace dn::page_internal
