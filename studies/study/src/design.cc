@@ -172,6 +172,9 @@ StudyDesign MakeDesign(const Scenario& scenario, const DesignOptions& options) {
   LimitNodeRate(options.max_node_rate_hz, &design.flight);
   CalibrationState calibration = AssumedCalibration(design.flight);
   calibration.q_boresight = Exp(simulated.boresight_rad);
+  for (std::size_t k = 0; k < calibration.more_scanners.size(); ++k) {
+    calibration.more_scanners[k].q_boresight = Exp(simulated.more_boresights_rad[k]);
+  }
   design.states.calibration = std::move(calibration);
   design.states.node_t_s = ChooseNodes(design.flight, {});
   for (const double t_s : design.states.node_t_s) {
