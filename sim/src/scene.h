@@ -8,7 +8,7 @@
 
 namespace dn {
 
-/// What a detailed terrain has in addition to relief, roughness and houses.
+/// Plants, cars and landforms of a detailed terrain, beside its relief, roughness and houses.
 struct Scene {
   Plants plants;
   Streets streets;
