@@ -51,34 +51,57 @@ endfunction()
 set(compilers -G ${GENERATOR} -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COMPILER=${CXX_COMPILER}
   -D CMAKE_CXX_FLAGS=${CXX_FLAGS} -D CMAKE_PREFIX_PATH=${prefix})
 
-# The programs of the README and of the tutorial by the CMake lines of the tutorial, on a machine
+# The programs of the README and of the tutorial use the CMake lines of the tutorial, on a machine
 # without PCL. The tutorial links more layers in its last program.
 set(tutorial docs/tutorials/build-your-own-network.md)
 page_block(${tutorial} cmake 0 lists)
 page_block(${tutorial} cmake 1 more_layers)
 set(tutorial_lists "${lists}")
-function(run_page name page index lists output_has)
+
+# Configures the project in `folder`, to be built with the others by build_all.
+set(folders "")
+function(configure folder build)
+  run(${CMAKE_COMMAND} -S ${folder} -B ${build} ${compilers} ${ARGN})
+  set(folders "${folders};${build}" PARENT_SCOPE)
+endfunction()
+
+# Builds the configured projects side by side, because each of them has one file that takes long.
+function(build_all)
+  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+  list(JOIN folders "\n" lines)
+  file(WRITE ${SCRATCH_DIR}/folders "${lines}")
+  run(xargs --arg-file ${SCRATCH_DIR}/folders -n 1 -P ${cores} ${CMAKE_COMMAND} --build)
+endfunction()
+
+set(pages "")
+function(configure_page name page index lists output_has)
   set(folder ${SCRATCH_DIR}/${name})
   page_block(${page} cpp ${index} program)
   file(WRITE ${folder}/main.cc "${program}")
   file(WRITE ${folder}/CMakeLists.txt "${lists}")
-  run(${CMAKE_COMMAND} -S ${folder} -B ${folder}/build ${compilers}
-    -D CMAKE_DISABLE_FIND_PACKAGE_PCL=ON)
-  run(${CMAKE_COMMAND} --build ${folder}/build)
-  run(${folder}/build/mine)
+  configure(${folder} ${folder}/build -D CMAKE_DISABLE_FIND_PACKAGE_PCL=ON)
+  set(folders "${folders}" PARENT_SCOPE)
+  set(pages "${pages};${name}" PARENT_SCOPE)
+  set(${name}_page "${page}" PARENT_SCOPE)
+  set(${name}_output_has "${output_has}" PARENT_SCOPE)
+endfunction()
+
+function(run_page name)
+  run(${SCRATCH_DIR}/${name}/build/mine)
   message(STATUS "${name}: ${output}")
-  if(NOT output MATCHES "${output_has}")
-    message(FATAL_ERROR "${page}: program ${index} no longer prints ${output_has}")
+  if(NOT output MATCHES "${${name}_output_has}")
+    message(FATAL_ERROR "${${name}_page}: its program no longer prints ${${name}_output_has}")
   endif()
 endfunction()
-run_page(readme README.md 0 "${lists}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
-run_page(tutorial_unknown ${tutorial} 0 "${lists}" "5 stations: z = 9[45].*3 stations: .*offset")
-run_page(tutorial_factor ${tutorial} 1 "${lists}" "largest residual: .*distance.*sigma0")
-run_page(from_ceres docs/guides/coming-from-ceres.md 0 "${lists}"
+
+configure_page(readme README.md 0 "${lists}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
+configure_page(tutorial_unknown ${tutorial} 0 "${lists}" "5 stations: z = 9[45].*3 stations: .*offset")
+configure_page(tutorial_factor ${tutorial} 1 "${lists}" "largest residual: .*distance.*sigma0")
+configure_page(from_ceres docs/guides/coming-from-ceres.md 0 "${lists}"
   "x = 10.000 m, sigma of the half angle 0.00224.*x = 10.000 m, sigma of the angle 0.00447")
-run_page(from_gtsam docs/guides/coming-from-gtsam.md 0 "${lists}" "converged: x1 at 2.00 0.00")
+configure_page(from_gtsam docs/guides/coming-from-gtsam.md 0 "${lists}" "converged: x1 at 2.00 0.00")
 string(REGEX REPLACE "target_link_libraries[^\n]*\n" "${more_layers}" lists "${lists}")
-run_page(tutorial_flight ${tutorial} 2 "${lists}" "with the altimeter.*altimeter offset [12]\\.[0-9]+ \\+-")
+configure_page(tutorial_flight ${tutorial} 2 "${lists}" "with the altimeter.*altimeter offset [12]\\.[0-9]+ \\+-")
 
 # A project that names its component needs only the dependencies of networks. It is compiled for the
 # instruction set of this machine.
@@ -93,17 +116,22 @@ foreach(package IN ITEMS yaml-cpp nlohmann_json fmt DnGeographicLib PROJ)
 endforeach()
 set(all_flags ${compilers})
 list(APPEND compilers ${without} "-D" "CMAKE_CXX_FLAGS=${CXX_FLAGS} -march=native")
-run_page(networks README.md 0 "${networks}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
+configure_page(networks README.md 0 "${networks}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
 set(compilers ${all_flags})
 
-# Builds a project that uses several components, including the one with PCL if it was built.
-run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build ${compilers}
-  -D CMAKE_BUILD_TYPE=Release -D WITH_PCL=${PCL_LIBRARY})
-run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/build)
+# A project that uses several components, including the one with PCL if it was built.
+configure(${CONSUMER_DIR} ${SCRATCH_DIR}/build -D CMAKE_BUILD_TYPE=Release -D WITH_PCL=${PCL_LIBRARY})
+
+build_all()
+foreach(page IN LISTS pages)
+  if(page)
+    run_page(${page})
+  endif()
+endforeach()
 run(${SCRATCH_DIR}/build/consumer)
 message(STATUS "consumer: ${output}")
 
-# Builds and runs programs like those of users.
+# Programs like those of users.
 run(${CMAKE_COMMAND} -S ${PROGRAMS_DIR} -B ${SCRATCH_DIR}/programs ${compilers}
   -D CMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/programs --parallel)
