@@ -1,4 +1,5 @@
 #include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/map_layers.h>
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
@@ -316,7 +317,23 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
 void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
                const PoseInterpolator& poses, Run* run) {
   if (HasName(run->files().staged(), "swaths.json")) return;
-  run->AddFile("swaths.json", FormatSwaths(MakeSwaths(FindStrips(flight), pairs, poses)));
+  const std::vector<Swath> swaths = MakeSwaths(FindStrips(flight), pairs, poses);
+  run->AddFile("swaths.json", FormatSwaths(swaths));
+  run->AddFile("swaths.geojson", FormatSwathLayer(swaths, flight.frame));
+}
+
+void AddPairFiles(const Flight& flight, const std::vector<PairResidual>& pairs,
+                  const std::string& suffix, Run* run) {
+  run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
+  run->AddFile("pairs" + suffix + ".geojson", FormatPairLayer(pairs, flight.frame));
+}
+
+/// Stages the control points with their residuals, if the flight has control.
+void AddControlLayer(const FlightRun& flight_run, Run* run) {
+  const Flight& flight = flight_run.flight;
+  const auto& check = flight_run.solution->model_check().control;
+  if (!check || !flight.control) return;
+  run->AddFile("control.geojson", FormatControlLayer(*check, *flight.control, flight.frame));
 }
 
 /// Stages the files of the dynamic network. suffix: distinguishes the methods of a run.
@@ -325,7 +342,8 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
   AddSwaths(flight_run.flight, network.pairs, network.poses, run);
-  run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
+  AddPairFiles(flight_run.flight, network.pairs, suffix, run);
+  AddControlLayer(flight_run, run);
   Json json =
       CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
                       flight_run.solution->trajectory(), flight_run.solution->model_check(),
@@ -398,7 +416,7 @@ void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
                           const std::string& suffix, Run* run) {
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
   AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->ToMapPoses(flight.frame)), run);
-  run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
+  AddPairFiles(flight, pairs, suffix, run);
   run->AddFile(
       "result" + suffix + ".json",
       FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.check, pairs, gh.timings)));

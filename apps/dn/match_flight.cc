@@ -1,5 +1,6 @@
 #include "match_flight.h"
 
+#include <dn/adjustment/map_layers.h>
 #include <dn/adjustment/swaths.h>
 #include <dn/error.h>
 #include <dn/files/flight.h>
@@ -217,6 +218,7 @@ void AddMatches(const MatchedFlight& matched, Run& run) {
                 FormatPairs(pairs, Weaker(*strips[match.i].origin, *strips[match.j].origin)));
   }
   AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
+  run.AddFile("swaths.geojson", FormatSwathLayer(matched.result.swaths, matched.source->frame()));
 }
 
 void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder, Run& run) {

@@ -1,5 +1,6 @@
 #include "new_strips.h"
 
+#include <dn/adjustment/map_layers.h>
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/error.h>
@@ -165,6 +166,7 @@ void GeoreferenceStrips(NewStrips work, Run& run) {
   run.AddFile("georef.json", FormatJson(georef));
   if (!HasName(run.files().staged(), "swaths.json")) {
     run.AddFile("swaths.json", FormatSwaths(swaths));
+    run.AddFile("swaths.geojson", FormatSwathLayer(swaths, work.frame));
   }
 }
 

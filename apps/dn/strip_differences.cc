@@ -171,6 +171,7 @@ Json ReportPair(const StripSurfaces& first, const StripSurfaces& second,
   const Statistics old_ones = Summarise(before), new_ones = Summarise(after);
   PrintPair(name, old_ones, new_ones);
   const std::string file = "differences/" + name + ".asc";
+  if (const auto prj = PrjText(crs.name())) run->AddFile("differences/" + name + ".prj", *prj);
   const FlatSurface surface = AsSurface(after, cell_m);
   run->AddFile(file, DifferenceRaster(surface, MeanHeight(first.after), crs).Text());
   return {{"strips", {first.strip, second.strip}},       {"cell_m", cell_m},

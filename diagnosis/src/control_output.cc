@@ -17,18 +17,6 @@ constexpr double kMdegPerRad = kDegPerRad * 1e3;
 // The standard asks for this number of checks before an accuracy counts as tested.
 constexpr int kChecksOfStandard = 30;
 
-const char* Word(Role role) {
-  switch (role) {
-    case Role::kObservation:
-      return "observation";
-    case Role::kCheck:
-      return "check";
-    case Role::kRejected:
-      break;
-  }
-  return "rejected";
-}
-
 Json PointJson(const ControlPointCheck& point) {
   const Eigen::VectorXd sigma_m = point.covariance_m2.diagonal().cwiseSqrt();
   Json directions = Json::array();

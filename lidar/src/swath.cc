@@ -53,6 +53,8 @@ const Vector2d& SwathOutline::Stretch::Towards(const Vector2d& direction_en) con
 
 void SwathOutline::Add(double t_s, const Eigen::Vector3d& p_m) {
   by_second_[std::lround(std::floor(t_s))].Add(p_m.head<2>());
+  points_ += 1.0;
+  sum_up_m_ += p_m.z();
 }
 
 std::vector<SwathOutline::Stretch> SwathOutline::FewStretches() const {

@@ -489,10 +489,11 @@ class Matcher {
     const StripSample& sample = samples_[strip];
     for (std::size_t k = 0; k < sample.size(); ++k) outline.Add(sample.t_s[k], sample.p_m[k]);
     swath.outline_en_m = outline.Corners();
+    swath.outline_up_m = outline.MeanUp();
     const StripCounts& counts = result_.strips[strip];
     for (const double t_s : EvenTimes(counts.t_begin_s, counts.t_end_s, kPosesOfLine)) {
       const std::optional<Vector3d> place_m = source_.BodyPosition(t_s);
-      if (place_m) swath.line_en_m.emplace_back(place_m->head<2>());
+      if (place_m) swath.line_m.push_back(*place_m);
     }
     return swath;
   }

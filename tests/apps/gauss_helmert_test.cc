@@ -88,9 +88,9 @@ TEST(CliGaussHelmert, ResultOnTheSmoothedTrajectory) {
   const ProgramRun run =
       flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(NamesIn(flight.out()),
-              ElementsAre("config.resolved.yaml", "pair_residuals.txt", "report.html",
-                          "report.json", "result.json", "swaths.json"));
+  EXPECT_THAT(NamesIn(flight.out()), ElementsAre("config.resolved.yaml", "pair_residuals.txt",
+                                                 "pairs.geojson", "report.html", "report.json",
+                                                 "result.json", "swaths.geojson", "swaths.json"));
   const Json result = LoadJson(flight.out() / "result.json");
   EXPECT_EQ(result["schema"], "dn.result/1");
   EXPECT_EQ(result["method"], "gh");

@@ -94,7 +94,7 @@ TEST(CliGeoref, TheBoresightPutsThePointsWhereTheyAre) {
   }
   EXPECT_THAT(NamesIn(flight.out()),
               ElementsAre("config.resolved.yaml", "georef.json", "report.html", "report.json",
-                          "strips", "swaths.json"));
+                          "strips", "swaths.geojson", "swaths.json"));
   ExpectPageMatchesFiles(flight.out(), 14);
   const Json json = Json::parse(FileContent(flight.out() / "georef.json"));
   EXPECT_EQ(json["schema"], "dn.georef/1");
@@ -212,6 +212,8 @@ TEST(CliGeoref, StripsAreComparedOnFlatGround) {
   EXPECT_GT(sample["after_m"].size(), 200u);
   EXPECT_LE(sample["after_m"].size(), 500u);
   EXPECT_EQ(sample["before_m"].size(), sample["after_m"].size());
+  EXPECT_EQ(std::filesystem::exists(in("out/differences/1-2.prj")),
+            LoadJson(in("out/georef.json"))["strips_crs"].get<std::string>().starts_with("utm"));
   const std::string page = FileContent(in("out/report.html"));
   EXPECT_THAT(page, HasSubstr("Height differences on flat ground, before"));
   EXPECT_THAT(page, HasSubstr("Height differences on flat ground, after"));

@@ -173,6 +173,19 @@ TEST(CrsNames, WellKnownTextWithoutCodes) {
   EXPECT_LT(crs.ToMap(p_c).norm(), 1e-6);
 }
 
+TEST(CrsNames, PrjTextIsTheHorizontalPartInTheFormOfEsri) {
+  const std::string utm = PrjText("utm:32n").value();
+  EXPECT_TRUE(utm.starts_with("PROJCS[\"WGS_1984_UTM_Zone_32N\"")) << utm;
+  EXPECT_EQ(NameCrs(utm).name, "utm:32n");
+  EXPECT_EQ(NameCrs(PrjText("utm:60s").value()).name, "utm:60s");
+  EXPECT_EQ(NameCrs(PrjText("epsg:2056").value()).name, "epsg:2056");
+  EXPECT_EQ(PrjText("epsg:25832+7837"), PrjText("epsg:25832"));
+  EXPECT_EQ(PrjText("epsg:2227 heights:us-ft"), PrjText("epsg:2227"));
+  EXPECT_EQ(PrjText("map"), std::nullopt);
+  EXPECT_EQ(PrjText("ecef"), std::nullopt);
+  EXPECT_EQ(PrjText("epsg:999999"), std::nullopt);
+}
+
 TEST(PointCrs, Names) {
   for (const char* name : {"map", "ecef", "none", "utm:1n", "utm:60s", "epsg:2056",
                            "epsg:25832+7837", "epsg:2227 heights:us-ft", "wkt:PROJCS[]"}) {

@@ -135,6 +135,16 @@ std::string ShownCrsName(const std::string& name) {
          name.substr(parts.system.size());
 }
 
+std::optional<std::string> PrjText(const std::string& name) {
+  const std::string system = SplitCrsName(name).system;
+  if (const auto utm = geo_internal::ParseUtm(system)) {
+    const int first = utm->south ? 32700 : 32600;
+    return geo_internal::HorizontalEsriText("EPSG:" + std::to_string(first + utm->zone));
+  }
+  const auto definition = geo_internal::ProjDefinition(system);
+  return definition ? geo_internal::HorizontalEsriText(*definition) : std::nullopt;
+}
+
 bool IsSameCrs(const std::string& a, const std::string& b) {
   if (ShortCrsName(a) == ShortCrsName(b)) return true;
   const CrsName one = SplitCrsName(a), other = SplitCrsName(b);

@@ -40,9 +40,10 @@ double AxisUnitM(const PJ* crs, int axis) {
   return factor;
 }
 
-std::string WellKnownText(const PJ* crs) {
+/// Returns well-known text in one line; empty if the system cannot be stated in this form.
+std::string WellKnownText(const PJ* crs, PJ_WKT_TYPE form) {
   const char* const options[] = {"MULTILINE=NO", nullptr};
-  const char* text = proj_as_wkt(Context(), crs, PJ_WKT2_2019, options);
+  const char* text = proj_as_wkt(Context(), crs, form, options);
   return text == nullptr ? "" : text;
 }
 
@@ -58,7 +59,7 @@ std::optional<StatedSystem> ReadSystem(const std::string& definition) {
     return std::nullopt;
   }
   system.horizontal = IdentifyPart(horizontal.get());
-  system.horizontal_text = WellKnownText(horizontal.get());
+  system.horizontal_text = WellKnownText(horizontal.get(), PJ_WKT2_2019);
   system.horizontal_unit_m = AxisUnitM(horizontal.get(), 0);
   system.compound = IsCompound(crs.get());
   if (!system.compound) return system;
@@ -66,6 +67,13 @@ std::optional<StatedSystem> ReadSystem(const std::string& definition) {
   system.vertical = IdentifyPart(vertical.get());
   system.height_unit_m = AxisUnitM(vertical.get(), 0);
   return system;
+}
+
+std::optional<std::string> HorizontalEsriText(const std::string& definition) {
+  const Object crs = CreateCrs(definition);
+  if (crs == nullptr) return std::nullopt;
+  const std::string text = WellKnownText(HorizontalPart(crs.get()).get(), PJ_WKT1_ESRI);
+  return text.empty() ? std::nullopt : std::optional(text);
 }
 
 bool AreSameSystem(const std::string& a, const std::string& b) {

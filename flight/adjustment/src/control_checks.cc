@@ -22,6 +22,19 @@ struct Sums {
 
 }  // namespace
 
+const char* Word(ControlPointCheck::Role role) {
+  using Role = ControlPointCheck::Role;
+  switch (role) {
+    case Role::kObservation:
+      return "observation";
+    case Role::kCheck:
+      return "check";
+    case Role::kRejected:
+      break;
+  }
+  return "rejected";
+}
+
 bool ControlPointCheck::vertical() const {
   return directions_enu.cols() == 3 || directions_enu(2, 0) >= kNearlyVertical;
 }

@@ -29,7 +29,7 @@ PairResidual Describe(const Flight& flight, const std::vector<StripInterval>& st
   residual.i = DescribeEnd(flight, i, pair.t_i_s, pair.u_i_s, pose_i);
   residual.j = DescribeEnd(flight, j, pair.t_j_s, pair.u_j_s, pose_j);
   residual.strips = StripPairName(strips, pair.t_i_s, pair.t_j_s);
-  residual.ground_en_m = 0.5 * (p_i + p_j).head<2>();
+  residual.ground_m = 0.5 * (p_i + p_j);
   residual.before_enu_m = p_i - p_j;
   return residual;
 }
@@ -125,10 +125,10 @@ std::string FormatPairResiduals(const std::vector<PairResidual>& residuals) {
     const auto strips = static_cast<double>(FindOrAppend(r.strips, &names) + 1);
     text += FormatDouble(r.i.t_s);
     for (const double value :
-         {r.j.t_s, strips, r.ground_en_m.x(), r.ground_en_m.y(), r.before_enu_m.x(),
-          r.before_enu_m.y(), r.before_enu_m.z(), r.after_enu_m.x(), r.after_enu_m.y(),
-          r.after_enu_m.z(), r.i.scan_angle_rad * kDegPerRad, r.j.scan_angle_rad * kDegPerRad,
-          r.i.range_m, r.j.range_m, r.i.heading_rad * kDegPerRad, r.j.heading_rad * kDegPerRad}) {
+         {r.j.t_s, strips, r.ground_m.x(), r.ground_m.y(), r.before_enu_m.x(), r.before_enu_m.y(),
+          r.before_enu_m.z(), r.after_enu_m.x(), r.after_enu_m.y(), r.after_enu_m.z(),
+          r.i.scan_angle_rad * kDegPerRad, r.j.scan_angle_rad * kDegPerRad, r.i.range_m,
+          r.j.range_m, r.i.heading_rad * kDegPerRad, r.j.heading_rad * kDegPerRad}) {
       text += ", " + FormatDouble(value);
     }
     text += '\n';

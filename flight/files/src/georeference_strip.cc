@@ -85,7 +85,7 @@ class StripGeoreferencer::Work {
     clock_.ExpectAgreement(setup_.options.time_offset_s, Where());
     result_.shift_rms_m = std::sqrt(shift2_m2_ / static_cast<double>(result_.kept));
     writer->Finish();
-    result_.swath = {"", Line(), outline_.Corners()};
+    result_.swath = {"", Line(), outline_.Corners(), outline_.MeanUp()};
     if (before_) result_.surface_before = before_->Flat();
     if (after_) result_.surface_after = after_->Flat();
     return result_;
@@ -104,14 +104,14 @@ class StripGeoreferencer::Work {
     return additions;
   }
 
-  std::vector<Eigen::Vector2d> Line() const {
-    std::vector<Eigen::Vector2d> line_en_m;
+  std::vector<Eigen::Vector3d> Line() const {
+    std::vector<Eigen::Vector3d> line_m;
     for (const double tag_s : EvenTimes(result_.t_begin_s, result_.t_end_s, kPosesOfLine)) {
       const double t_s = tag_s - setup_.options.time_offset_s;
       if (setup_.paths.FindFate(t_s, reader_->has_vectors()) != PointFate::kKept) continue;
-      line_en_m.emplace_back(setup_.paths.wanted().At(t_s).p_mb.head<2>());
+      line_m.push_back(setup_.paths.wanted().At(t_s).p_mb);
     }
-    return line_en_m;
+    return line_m;
   }
 
   void Renew(StripCloud* points) {

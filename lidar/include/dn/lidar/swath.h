@@ -10,12 +10,13 @@
 
 namespace dn {
 
-/// Area that a strip covers in plan view; east and north in the mapping frame m, in metres.
+/// Area that a strip covers in plan view, in the mapping frame m, in metres.
 struct Swath {
   std::string strip;
-  std::vector<Eigen::Vector2d> line_en_m;  ///< path of the body
-  /// Polygon; the first corner is not repeated at the end.
+  std::vector<Eigen::Vector3d> line_m;  ///< path of the body
+  /// Polygon, east and north; the first corner is not repeated at the end.
   std::vector<Eigen::Vector2d> outline_en_m;
+  double outline_up_m = 0.0;  ///< mean height of the ground
 };
 
 /// Computes the outline of the points of a strip. For each second of time it keeps the outermost
@@ -29,6 +30,9 @@ class SwathOutline {
 
   /// Returns at most 120 corners; empty for fewer than three points.
   std::vector<Eigen::Vector2d> Corners() const;
+
+  /// Returns the mean height of the points, m; 0 without points.
+  double MeanUp() const { return points_ == 0.0 ? 0.0 : sum_up_m_ / points_; }
 
  private:
   static constexpr std::size_t kDirections = 16;
@@ -52,6 +56,7 @@ class SwathOutline {
   std::vector<Stretch> FewStretches() const;
 
   std::map<long, Stretch> by_second_;
+  double points_ = 0.0, sum_up_m_ = 0.0;
 };
 
 /// Returns `count` equally spaced times from t0_s to t1_s, both included; `count` must exceed 1.

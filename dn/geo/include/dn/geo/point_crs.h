@@ -27,6 +27,10 @@ std::string ShortCrsName(const std::string& name);
 /// Returns a name for people: of a system that is given as text (wkt:), the name in that text.
 std::string ShownCrsName(const std::string& name);
 
+/// Returns the horizontal part of a system as a .prj file states it, as well-known text in the form
+/// of Esri. Returns nullopt for map and ecef, and for systems that have no such text.
+std::optional<std::string> PrjText(const std::string& name);
+
 /// Returns true if both names mean the same system.
 bool IsSameCrs(const std::string& a, const std::string& b);
 

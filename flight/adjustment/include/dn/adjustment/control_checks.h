@@ -37,6 +37,9 @@ struct ControlPointCheck {
   }
 };
 
+/// Returns "observation", "check" or "rejected".
+const char* Word(ControlPointCheck::Role role);
+
 /// A constant shift of the control against the GNSS positions, local east, north, up.
 struct ControlShift {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();

@@ -22,7 +22,7 @@ struct ResidualEnd {
 struct PairResidual {
   ResidualEnd i, j;
   std::string strips;            ///< from the function StripPairName
-  Eigen::Vector2d ground_en_m;   ///< midpoint of the two points, east and north in m
+  Eigen::Vector3d ground_m;      ///< midpoint of the two points in the mapping frame
   Eigen::Vector3d before_enu_m;  ///< with the assumed mounting, on the resulting trajectory
   Eigen::Vector3d after_enu_m;   ///< with the resulting mounting and trajectory
 };
