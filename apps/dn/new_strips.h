@@ -23,7 +23,8 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
 void ExpectGeoreferenceable(const FlightConfig& config);
 
 /// Georeferences all strips of a flight, stages strips/ and georef.json, and prints a table. Stages
-/// swaths.json and swaths.geojson unless they are staged already. Throws InvalidInput if a strip fails.
+/// swaths.json and swaths.geojson unless they are staged already. Throws InvalidInput if a strip
+/// fails.
 void GeoreferenceStrips(NewStrips work, Run& run);
 
 }  // namespace dn::apps

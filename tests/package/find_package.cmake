@@ -65,7 +65,7 @@ function(configure folder build)
   set(folders "${folders};${build}" PARENT_SCOPE)
 endfunction()
 
-# Builds the configured projects side by side, because each of them has one file that takes long.
+# Builds the configured projects in parallel, because each of them has one file that takes long.
 function(build_all)
   cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
   list(JOIN folders "\n" lines)

@@ -41,8 +41,8 @@ struct StatedSystem {
 /// Reads a definition; nullopt if PROJ does not know it or if it is a geographic system.
 std::optional<StatedSystem> ReadSystem(const std::string& definition);
 
-/// Returns well-known text of the horizontal part in the form of Esri; nullopt if PROJ does not know
-/// the system or cannot state it so.
+/// Returns well-known text of the horizontal part in the form of Esri; nullopt if PROJ does not
+/// know the system or cannot state it so.
 std::optional<std::string> HorizontalEsriText(const std::string& definition);
 
 /// Returns true if both definitions mean the same system, apart from names and the order of axes.
