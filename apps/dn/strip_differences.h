@@ -19,8 +19,8 @@ struct StripSurfaces {
 
 /// Compares all pairs of strips that have at least ten cells in common. Prints a table, writes the
 /// differences after as rasters differences/A-B.asc (second minus first, m, in the system of the
-/// points, which differences/A-B.prj states), and returns the list for georef.json. Returns an empty
-/// list if no strips overlap.
+/// points, which differences/A-B.prj states), and returns the list for georef.json. Returns an
+/// empty list if no strips overlap.
 Json CompareStrips(const std::vector<StripSurfaces>& strips, const PointCrs& crs, Run* run);
 
 }  // namespace dn::apps
