@@ -27,6 +27,8 @@
 namespace dn::apps {
 namespace {
 
+constexpr const char* kTheBoresight = "the boresight";
+
 struct CalibrateOptions {
   CommonOptions common;
   std::vector<std::string> flights;
@@ -271,15 +273,21 @@ void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run*
                          {"covariance", gauss_helmert.timings.covariance_s}};
 }
 
-void FailUnlessReliable(const std::vector<const BoresightResult*>& results) {
-  for (const BoresightResult* boresight : results) {
+/// A boresight with what a message calls it.
+struct NamedBoresight {
+  std::string name;
+  const BoresightResult* boresight;
+};
+
+void FailUnlessReliable(const std::vector<NamedBoresight>& results) {
+  for (const auto& [name, boresight] : results) {
     if (boresight->verdict == Verdict::kContradicted) {
       ThrowContradicted(Words(boresight->reasons.front()), "the result file");
     }
     if (boresight->verdict != Verdict::kNotObservable) continue;
-    throw FailedWithResults(Word(boresight->verdict),
-                            fmt::format("the boresight is not observable: {}",
-                                        fmt::join(Words(boresight->reasons), "; ")));
+    throw FailedWithResults(
+        Word(boresight->verdict),
+        fmt::format("{} is not observable: {}", name, fmt::join(Words(boresight->reasons), "; ")));
   }
 }
 
@@ -292,10 +300,13 @@ struct NetworkRun {
   std::vector<PairResidual> pairs;
   ScannerMountings mountings;  ///< of several scanners
 
-  /// Returns the boresights of all scanners.
-  std::vector<const BoresightResult*> Boresights() const {
-    std::vector<const BoresightResult*> all{&boresight};
-    for (const ScannerBoresight& scanner : mountings.scanners) all.push_back(&scanner.boresight);
+  /// Returns the boresights of all scanners, and that of the result.
+  std::vector<NamedBoresight> Boresights() const {
+    std::vector<NamedBoresight> all;
+    for (const ScannerBoresight& scanner : mountings.scanners) {
+      all.push_back({"the boresight of scanner " + scanner.name, &scanner.boresight});
+    }
+    all.push_back({kTheBoresight, &boresight});
     return all;
   }
 };
@@ -442,7 +453,7 @@ void RunGaussHelmert(const CalibrateOptions& options, const FlightConfig& config
   FillReport(flight, gh, &run);
   PrintResult(flight.config, gh.calibration, gh.timings);
   if (options.georef) AddNewStrips(flight.config, gh.calibration.boresight, nullptr, &run);
-  FailUnlessReliable({&gh.calibration.boresight});
+  FailUnlessReliable({{kTheBoresight, &gh.calibration.boresight}});
 }
 
 PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
@@ -480,7 +491,7 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
                                {"covariance", planes.timings.covariance_s}};
   PrintResult(flight.config, planes);
   if (options.georef) AddNewStrips(flight.config, planes.calibration.boresight, nullptr, &run);
-  FailUnlessReliable({&planes.calibration.boresight});
+  FailUnlessReliable({{kTheBoresight, &planes.calibration.boresight}});
 }
 
 /// Plane calibration as part of --method all; `missing` says why there is no result.
@@ -528,7 +539,8 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   const NetworkRun network =
       CalibrateByNetwork(AdjustFlight(std::move(flight), read_s, true, &run));
   AssessAgainstNetwork(network.boresight, &gh.calibration);
-  std::vector<const BoresightResult*> results{&network.boresight, &gh.calibration.boresight};
+  std::vector<NamedBoresight> results{{kTheBoresight, &network.boresight},
+                                      {kTheBoresight, &gh.calibration.boresight}};
   std::vector<std::pair<std::string, const BoresightResult*>> methods{
       {"gh", &gh.calibration.boresight}, {"dn", &network.boresight}};
   std::vector<std::pair<std::string, std::string>> absent;
@@ -537,8 +549,8 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   AddGaussHelmertFiles(network.flight_run->flight, gh, "_gh", &run);
   if (planes.run) {
     AddPlaneFiles(config, *planes.run, "_planes", &run);
-    results.push_back(&planes.run->calibration.boresight);
-    methods.emplace_back("planes", results.back());
+    results.push_back({kTheBoresight, &planes.run->calibration.boresight});
+    methods.emplace_back("planes", results.back().boresight);
   } else {
     absent.emplace_back("planes", planes.missing);
     run.report()["notes"] = {"planes: " + planes.missing};

@@ -5,7 +5,6 @@
 #include <dn/sim/scenario.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "scenario_limits.h"
@@ -62,20 +61,11 @@ TurbulenceScenario ReadTurbulence(const YamlValue& s) {
 }
 
 /// The name of a strip becomes part of file names, so that only these characters are allowed.
-bool IsPlainName(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-';
-  });
-}
-
 std::vector<StripInterval> ReadReplayedStrips(const YamlValue& s) {
   if (s["strips"] && !s["replay"])
     s["strips"].Fail("is only allowed with replay; otherwise the lines are the strips");
   std::vector<StripInterval> strips = ReadStrips(s["strips"]);
-  for (const StripInterval& strip : strips) {
-    if (IsPlainName(strip.name)) continue;
-    s["strips"].Fail("the name '" + strip.name + "' must consist of letters, digits and '-'");
-  }
+  for (const StripInterval& strip : strips) ExpectPlainName(s["strips"], strip.name);
   return strips;
 }
 
@@ -302,19 +292,12 @@ LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detail
 
 /// Returns the first scanner; appends the others of a list to `more`.
 LidarScenario ReadScanners(const YamlValue& s, bool detailed, std::vector<LidarScenario>* more) {
-  constexpr std::size_t kMostScanners = 16;
   if (!s || s.IsMap()) return ReadLidar(s, "", detailed);
   std::vector<std::string> names;
   std::vector<LidarScenario> all;
   for (const YamlValue& item : s.List(kMostScanners)) {
-    const std::string name =
-        item["name"] ? ReadName(item["name"]) : std::to_string(names.size() + 1);
-    if (!IsPlainName(name)) {
-      item["name"].Fail("the name '" + name + "' must consist of letters, digits and '-'");
-    }
-    if (HasName(names, name)) item.Fail("two scanners have the name '" + name + "'");
-    names.push_back(name);
-    all.push_back(ReadLidar(item, name, detailed));
+    names.push_back(ReadScannerName(item, names));
+    all.push_back(ReadLidar(item, names.back(), detailed));
   }
   if (all.empty()) s.Fail("must have at least one scanner");
   more->assign(all.begin() + 1, all.end());

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -80,6 +82,20 @@ TEST_F(CliScanners, OneScannerCanBeSelected) {
   EXPECT_FALSE(result.contains("scanners"));
   EXPECT_NEAR(result["boresight"]["angles_deg"][1].get<double>(), 0.5, 0.05);
   EXPECT_THAT(run.out, HasSubstr("0.500000"));  // the truth of this scanner
+}
+
+TEST_F(CliScanners, TheOneWithTooFewPairsIsNamed) {
+  fs::copy(Path("flight"), Path("few"), fs::copy_options::recursive);
+  for (const auto& file : fs::directory_iterator(Path("few") + "/lidar_b")) {
+    std::istringstream rows(FileContent(file.path()));
+    std::string kept, row;
+    while (std::getline(rows, row) && row.starts_with('#')) kept += row + '\n';
+    std::ofstream(file.path()) << kept + row + '\n';
+  }
+  const ProgramRun run = RunProgram(
+      {"calibrate", Path("few"), "--set", "pairs_between=[]", "--out", Path("few_result")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("the boresight of scanner b is not observable: only "));
 }
 
 TEST_F(CliScanners, CommandsForOneSaySo) {

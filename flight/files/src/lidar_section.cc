@@ -1,6 +1,9 @@
 #include <dn/error.h>
+#include <dn/names.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 
@@ -173,6 +176,21 @@ ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu) {
   if (section["nadir_axis"]) axes.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
   files_internal::CheckAxes(section, axes);
   return axes;
+}
+
+void ExpectPlainName(const YamlValue& value, const std::string& name) {
+  const bool plain = std::all_of(name.begin(), name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) != 0 || c == '-'; });
+  if (plain && !name.empty()) return;
+  value.Fail("the name '" + name + "' must consist of letters, digits and '-'");
+}
+
+std::string ReadScannerName(const YamlValue& item, const std::vector<std::string>& before) {
+  const YamlValue value = item["name"];
+  const std::string name = value ? ReadName(value) : std::to_string(before.size() + 1);
+  ExpectPlainName(value, name);
+  if (HasName(before, name)) item.Fail("two scanners have the name '" + name + "'");
+  return name;
 }
 
 }  // namespace dn

@@ -4,7 +4,6 @@
 #include <dn/names.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -12,25 +11,6 @@
 
 namespace dn::files_internal {
 namespace {
-
-constexpr std::size_t kMostScanners = 16;
-
-/// The name is a part of file names and of the names of unknowns.
-bool IsPlainName(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-';
-  });
-}
-
-std::string ReadScannerName(const YamlValue& item, const std::vector<std::string>& before) {
-  const YamlValue value = item["name"];
-  const std::string name = value ? ReadName(value) : std::to_string(before.size() + 1);
-  if (!IsPlainName(name)) {
-    value.Fail("the name '" + name + "' must consist of letters, digits and '-'");
-  }
-  if (HasName(before, name)) item.Fail("two scanners have the name '" + name + "'");
-  return name;
-}
 
 /// Returns the index of a scanner of the list.
 std::size_t FindScanner(const YamlValue& value, const std::vector<std::string>& names) {

@@ -30,6 +30,17 @@ std::vector<StripInterval> ReadStrips(const YamlValue& list);
 /// Returns "{name: "1", t0: 100, t1: 160}".
 std::string FormatStrip(const StripInterval& strip);
 
+/// Throws InvalidConfig at `value` unless the name consists of letters, digits and '-', so that it
+/// can be a part of file names.
+void ExpectPlainName(const YamlValue& value, const std::string& name);
+
+/// Most scanners of a list.
+inline constexpr std::size_t kMostScanners = 16;
+
+/// Reads the name of the next scanner of a list; without one it is its number from 1. Throws
+/// InvalidConfig for a name that ExpectPlainName refuses, and for one that is among `before`.
+std::string ReadScannerName(const YamlValue& item, const std::vector<std::string>& before);
+
 /// Returns a double-quoted YAML scalar.
 std::string QuoteYaml(const std::string& text);
 
