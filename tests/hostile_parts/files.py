@@ -12,6 +12,8 @@ FILES = {
     "IMU.txt": (CALIBRATE, CALIBRATE, SMOOTH, CHECK),
     "GPS.txt": (CALIBRATE, CALIBRATE, SMOOTH, CHECK),
     "lidar/1_2.txt": (CALIBRATE, CALIBRATE, CALIBRATE, GAUSS_HELMERT, CHECK),
+    "control/points.txt": (CALIBRATE, CHECK),
+    "control/checks.txt": (CALIBRATE, CHECK),
     "trajectory.out": (GAUSS_HELMERT, GAUSS_HELMERT, ALL),
     "trajectory.txt": (GAUSS_HELMERT,),
     "trajectory_sigma.txt": (GAUSS_HELMERT,),

@@ -53,6 +53,10 @@ lidar:
   beam_divergence_mrad: 0.35
 pairs:
   count: 60
+control:
+  points: 6
+  checks: 3
+  sigma_m: [0.01, 0.01, 0.015]
 """
 
 FLIGHT_YAML = """name: small
@@ -114,6 +118,13 @@ lidar:
   gsd_m: 0.2
   sigma_p_m: 0.05773502691896258
   robust: none
+control:
+  files: ["control/*.txt"]
+  crs: geographic
+  sigma_enu_m: [0.01, 0.01, 0.015]
+  laser_sigma_m: 0.04
+  datum_shift_sigma_m: [0.05, 0.05, 0.1]
+  checks: [C1, C2, C3]
 trajectory:
   file: trajectory.out
   crs: geographic
@@ -132,6 +143,36 @@ network:
   node_rate_hz: auto
 """
 
+SECOND_SCANNER = [
+    ("R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]",
+     "R_sensor_to_body: [[0.5, 0.8660254037844386, 0], [0, 0, 1], [0.8660254037844386, -0.5, 0]]"),
+    ("lever_arm_m: [0.14, -0.02, 0.21]", "lever_arm_m: [0.3, 0, 0.1]"),
+    ("boresight_deg: [0.2, 0.03, 0.35]", "boresight_deg: [-0.4, 0.5, 0.1]"),
+    ("p2p: [lidar/1_2.txt]", "p2p: [lidar_b/1_2.txt]"),
+]
+PAIRS_BETWEEN = """pairs_between:
+  - scanners: [a, b]
+    p2p: ["lidar_a_b/*.txt"]
+    sigma_p_m: 0.058
+"""
+
+
+def with_two_scanners(text):
+    """Returns a flight.yaml or scenario with a list of two scanners in place of one."""
+    begin = text.index("lidar:\n") + len("lidar:\n")
+    end = next(i for i in range(begin, len(text)) if text[i - 1] == "\n" and text[i] != " ")
+    first = text[begin:end]
+    second = first
+    for before, after in SECOND_SCANNER:
+        second = second.replace(before, after)
+    first = first.replace("lidar/1_2.txt", "lidar_a/1_2.txt")
+    return text[:begin] + as_item("a", first) + as_item("b", second) + text[end:]
+
+
+def as_item(name, section):
+    lines = [f"  - name: {name}"] + ["  " + line for line in section.splitlines()]
+    return "\n".join(lines) + "\n"
+
 
 class NoBase(Exception):
     pass
@@ -147,6 +188,8 @@ class Base:
         self.seed = seed
         self.yaml = FLIGHT_YAML
         self.scenario = SCENARIO
+        self.yaml_two = ""  # with two scanners
+        self.scenario_two = with_two_scanners(SCENARIO)
 
     def make(self):
         work = self.flight.parent
@@ -162,12 +205,23 @@ class Base:
                 shutil.copy(work / "smooth" / name, self.flight / name)
         for name in ("report.json", "config.resolved.yaml"):
             (self.flight / name).unlink(missing_ok=True)
+        self._add_second_scanner(work)
         (self.flight / "flight.yaml").write_text(self.yaml)
         (self.flight / "strips").mkdir()
         (self.flight / "strips" / "1.las").write_bytes(strips.las(strips.epochs(381060, 381071, 300)))
         (self.flight / "strips" / "2.txt").write_text(strips.text(strips.epochs(381121, 381133, 300)))
         thin_sbet(self.flight / "reference.out", 4)
         self.results.mkdir()
+
+    def _add_second_scanner(self, work):
+        """Adds the pairs of two scanners, and checks the flight with both."""
+        (work / "two.yaml").write_text(self.scenario_two)
+        self._run("simulate", work / "two.yaml", "--seed", "1", "--out", work / "two")
+        for name in ("lidar_a", "lidar_b", "lidar_a_b"):
+            shutil.copytree(work / "two" / name, self.flight / name)
+        self.yaml_two = with_two_scanners(self.yaml) + PAIRS_BETWEEN
+        (self.flight / "flight.yaml").write_text(self.yaml_two)
+        self._run("calibrate", self.flight, "--out", work / "two_result")
 
     def make_results(self):
         """The results folders that are attacked."""

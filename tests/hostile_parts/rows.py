@@ -24,8 +24,9 @@ class Rows:
 
     @property
     def times(self):
-        """Returns the columns with time tags; pairs have two."""
-        return (0, 1) if len(self.cells[0]) in (8, 14) else (0,)
+        """Returns the columns with time tags; pairs have two, control points have the eighth."""
+        columns = len(self.cells[0])
+        return (0, 1) if columns in (8, 14) else (7,) if columns == 11 else (0,)
 
     def another(self, count):
         return self.rng.randrange(count)
@@ -34,12 +35,16 @@ class Rows:
         return self.rng.choice([1, 2, 5, 50, len(self.cells) // 2])
 
     def scale(self, column, factor):
-        for row in self.cells:
-            row[column] = repr(float(row[column]) * factor)
+        self.change(column, lambda value: value * factor)
 
     def shift(self, column, by, begin=0):
+        self.change(column, lambda value: value + by, begin)
+
+    def change(self, column, function, begin=0):
+        """Changes the numbers of a column; a header line stays."""
         for row in self.cells[begin:]:
-            row[column] = repr(float(row[column]) + by)
+            if not row[column].strip()[:1].isalpha():
+                row[column] = repr(function(float(row[column])))
 
 
 def cell(rows):
@@ -116,7 +121,7 @@ def sort(rows):
 
 def step_of_time(rows):
     step = rows.rng.choice([-1, 1]) * rows.rng.choice(SHIFTS_S)
-    rows.shift(0, step, rows.at)
+    rows.shift(rows.times[0], step, rows.at)
     return step
 
 

@@ -152,10 +152,14 @@ def varied(text, rng, number):
     return replaced(text, spot, value), label, value, True
 
 
+TWO_SCANNERS = 0.2  # share of the attacks on a list of two scanners
+
+
 def flight_case(base, rng, number):
-    text, label, value, place = varied(base.yaml, rng, number)
+    two = rng.random() < TWO_SCANNERS
+    text, label, value, place = varied(base.yaml_two if two else base.yaml, rng, number)
     command = CALIBRATE
-    draw = rng.random()
+    draw = 1.0 if two else rng.random()
     if "trajectory" in label or "sigma_" in label and draw < 0.3 or draw < 0.15:
         command = GAUSS_HELMERT
     elif draw < 0.25:
@@ -170,7 +174,8 @@ PATIENCE = Conditions(signals=((10.0, signal.SIGINT),), time_limit_s=15.0)
 
 
 def scenario_case(base, rng, number):
-    text, label, value, place = varied(base.scenario, rng, number)
+    two = rng.random() < TWO_SCANNERS
+    text, label, value, place = varied(base.scenario_two if two else base.scenario, rng, number)
 
     def prepare(arena):
         (arena.here / "scenario.yaml").write_text(text)
