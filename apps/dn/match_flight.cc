@@ -10,7 +10,9 @@
 #include <dn/matching/match_output.h>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "given_trajectory.h"
 
@@ -18,6 +20,8 @@ namespace dn::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kLeastSharedError = 0.3;  // of a stated sigma: adds less than 5 % to it
 
 void ExpectMatchable(const FlightConfig& config) {
   const FileLocation where{config.file.string()};
@@ -128,6 +132,24 @@ void Print(const Json& match) {
   }
 }
 
+/// Returns the error of pairs that the sigma of the range offset of plants leaves, as a sigma of
+/// lidar_range_offset: all pairs share it.
+double SharedRangeSigma(const MatchResult& result) {
+  const auto& plants = result.plant_offset;
+  return plants ? plants->share * plants->sigma_m : 0.0;
+}
+
+/// Adds a shared error of this size to the prior of lidar_range_offset, unless the flight has the
+/// pure model.
+void AddRangeOffset(double sigma_m, FlightConfig* config) {
+  const double stated_m = MakeUnmodelledPrior(*config).Sigma(EffectId::kLidarRangeOffset)[0];
+  if (config->unmodelled.none || sigma_m < kLeastSharedError * stated_m) return;
+  std::vector<UnmodelledSize>& sizes = config->unmodelled.sizes;
+  std::erase_if(
+      sizes, [](const UnmodelledSize& size) { return size.effect == EffectId::kLidarRangeOffset; });
+  sizes.push_back({EffectId::kLidarRangeOffset, {std::hypot(stated_m, sigma_m)}});
+}
+
 std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
   return "lidar/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name + ".txt";
 }
@@ -185,6 +207,7 @@ FlightConfig WithMatches(const MatchedFlight& matched, const fs::path& folder,
     if (match.pairs.empty()) continue;
     config.lidar->p2p.push_back((absolute / PairFile(*matched.source, match)).string());
   }
+  AddRangeOffset(SharedRangeSigma(matched.result), &config);
   return matched.smoothed ? WithTrajectory(config, (absolute / trajectory).string()) : config;
 }
 

@@ -37,7 +37,8 @@ MatchedFlight MatchFlightStrips(FlightConfig config, const std::string& trajecto
 MatchOptions MakeRunMatchOptions(Run& run);
 
 /// Returns the configuration with the pair files lidar/<a>_<b>.txt in `folder`. If the trajectory
-/// was smoothed, it refers to the file `trajectory` in the same folder.
+/// was smoothed, it refers to the file `trajectory` in the same folder. The prior of
+/// lidar_range_offset under `unmodelled` contains the error that all pairs over plants share.
 FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::path& folder,
                          const std::string& trajectory);
 

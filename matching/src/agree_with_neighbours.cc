@@ -2,6 +2,7 @@
 
 #include <dn/median.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,7 @@
 namespace dn::matching_internal {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kNeighbours = 8;
@@ -20,6 +22,9 @@ constexpr std::size_t kFewest = 4;
 constexpr double kMostSigmas = 3.5;
 // Variance of the median of normal values, relative to that of their mean.
 constexpr double kMedianOverMean = std::numbers::pi / 2.0;
+// A sample covariance of few residuals has unequal eigenvalues by chance. It is therefore averaged
+// with that of so many residuals without a preferred direction.
+constexpr double kIsotropicResiduals = 30.0;
 
 /// Returns the shifts minus a plane over east and north. Such a plane is the effect of a constant
 /// attitude error between two strips.
@@ -56,34 +61,63 @@ MedianShift NeighbourMedian(std::size_t i, const std::vector<PlacedShift>& shift
   return {MedianByAxis(nearest), kMedianOverMean / (n * n) * sum_m2};
 }
 
+/// Returns the covariance of residuals, pulled towards an isotropic one, with eigenvalues >= 1.
+Matrix3d FitInflation(const Matrix3d& squares, double count) {
+  const double isotropic = kIsotropicResiduals * squares.trace() / (3.0 * count);
+  const Matrix3d F = (squares + isotropic * Matrix3d::Identity()) / (count + kIsotropicResiduals);
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(F);
+  const Matrix3d& V = eigen.eigenvectors();
+  return V * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() * V.transpose();
+}
+
+/// A residual in units of its standard deviation.
+struct Residual {
+  Vector3d by_axis = Vector3d::Zero();
+  Vector3d whitened = Vector3d::Zero();  ///< (C_i + C_median)^(-1/2) times the residual
+};
+
+Residual Normalise(const PlacedShift& shift, const MedianShift& neighbours) {
+  const Vector3d left_m = shift.shift_m - neighbours.median_m;
+  const Matrix3d median_m2 = neighbours.variance_m2.asDiagonal();
+  const Matrix3d C = shift.covariance_m2 + median_m2;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(C);
+  return {left_m.array() / C.diagonal().array().sqrt(), eigen.operatorInverseSqrt() * left_m};
+}
+
 }  // namespace
+
+Matrix3d Agreement::Inflated(const Matrix3d& covariance_m2) const {
+  const Matrix3d root = Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance_m2).operatorSqrt();
+  return root * inflation * root;
+}
 
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   Agreement out;
   out.agrees.assign(given.size(), true);
   if (given.size() < kFewest) return out;
   const std::vector<PlacedShift> shifts = WithoutTrend(given);
-  std::vector<Vector3d> left(shifts.size());
+  std::vector<Residual> left;
   for (std::size_t i = 0; i < shifts.size(); ++i) {
-    const MedianShift neighbours = NeighbourMedian(i, shifts);
-    left[i] = (shifts[i].shift_m - neighbours.median_m).array() /
-              (shifts[i].covariance_m2.diagonal() + neighbours.variance_m2).array().sqrt();
+    left.push_back(Normalise(shifts[i], NeighbourMedian(i, shifts)));
   }
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
-    for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
+    for (const Residual& residual : left) sizes.push_back(std::abs(residual.by_axis[axis]));
     const double scale = std::max(1.0, kSigmaPerMedian * Median(sizes));
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       if (sizes[i] > kMostSigmas * scale) out.agrees[i] = false;
     }
   }
-  double squares = 0.0, count = 0.0;
+  Matrix3d squares = Matrix3d::Zero();
+  double count = 0.0;
   for (std::size_t i = 0; i < shifts.size(); ++i) {
     if (!out.agrees[i]) continue;
-    squares += left[i].squaredNorm();
-    count += 3.0;
+    squares += left[i].whitened * left[i].whitened.transpose();
+    count += 1.0;
   }
-  if (count > 0.0) out.variance_factor = std::max(1.0, squares / count);
+  if (count == 0.0) return out;
+  out.variance_factor = std::max(1.0, squares.trace() / (3.0 * count));
+  out.inflation = FitInflation(squares, count);
   return out;
 }
 

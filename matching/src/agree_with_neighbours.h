@@ -18,6 +18,11 @@ struct Agreement {
   /// Mean square of the normalised residuals that agree, at least 1: the covariances are too small
   /// by this factor.
   double variance_factor = 1.0;
+  /// The same by direction: covariance of the normalised residuals, with eigenvalues of at least 1.
+  Eigen::Matrix3d inflation = Eigen::Matrix3d::Identity();
+
+  /// Returns the inflated covariance, C^(1/2) F C^(1/2) with the inflation F.
+  Eigen::Matrix3d Inflated(const Eigen::Matrix3d& covariance_m2) const;
 };
 
 /// Finds the shifts that agree with their neighbours. A plane over all shifts is subtracted, then
@@ -25,6 +30,9 @@ struct Agreement {
 /// are divided by their sigma, with that of the median, and by the robust scale of all residuals if
 /// that exceeds 1. That scale accounts for the bending of the strips between neighbours. A shift
 /// with more than 3.5 such units in any axis does not agree. Fewer than four shifts all agree.
+///
+/// The inflation has directions, because the scan lines of parallel strips lock onto each other:
+/// shifts along the track are then less accurate than those across it.
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
 }  // namespace dn::matching_internal

@@ -16,6 +16,7 @@
 #include "match_cells.h"
 #include "median_by_axis.h"
 #include "patches.h"
+#include "plant_offset.h"
 #include "register_patches.h"
 #include "strip_sample.h"
 
@@ -33,6 +34,8 @@ using matching_internal::GroundCell;
 using matching_internal::HeightRaster;
 using matching_internal::kReach_gsd;
 using matching_internal::MakeRaster;
+using matching_internal::PlantOptions;
+using matching_internal::PlantPair;
 using matching_internal::RasterGrid;
 using matching_internal::Registration;
 using matching_internal::StripSample;
@@ -67,6 +70,7 @@ constexpr double kPointsAtOnce = 1.5e6;
 constexpr std::size_t kNeighboursOfStart = 5;
 constexpr std::size_t kFewestForFactor = 10;
 constexpr std::size_t kPosesOfLine = 60;
+constexpr double kPlantOffsetSigma_gsd = 0.5;  // prior; simulated forests have 0.3 to 0.4
 
 /// A place with a unique shift between the rasters.
 struct Place {
@@ -188,6 +192,8 @@ class Matcher {
   virtual AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) = 0;
   virtual bool HasBoresight() const { return false; }
   virtual Vector3d Boresight() const { return Vector3d::Zero(); }
+  /// Corrects the pairs for the range offset of plants; returns whether it did.
+  virtual bool RemovePlantOffset(MatchResult* /*result*/) const { return false; }
   /// Calls `work` with the initial alignment.
   virtual void AsGiven(const std::function<void()>& work) = 0;
 
@@ -464,6 +470,7 @@ class Matcher {
     pair.pair.u_i_s = source_.RawAt(i, in_a.t_s[at], in_b.p_m[to] - shift_m);
     pair.pair.u_j_s = in_b.x[to];
     pair.radius_m = match.cell.half_m;
+    pair.volumetric_share = match.registration.volumetric_share;
     return pair;
   }
 
@@ -517,6 +524,7 @@ class Matcher {
   }
 
   void Finish() {
+    if (result_.pairs() > 0 && RemovePlantOffset(&result_)) AlignAll();
     for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(MakeSwath(s));
     result_.boresight_rad = Boresight();
     PlacePairs();
@@ -549,7 +557,8 @@ class Matcher {
     for (std::size_t p = 0; p < shifts.size(); ++p) {
       if (!agreement.agrees[p]) continue;
       kept.push_back(match->pairs[p]);
-      *kept.back().pair.covariance_m2 *= agreement.variance_factor;
+      std::optional<Eigen::Matrix3d>& covariance_m2 = kept.back().pair.covariance_m2;
+      covariance_m2 = agreement.Inflated(*covariance_m2);
     }
     match->pairs = std::move(kept);
   }
@@ -615,6 +624,76 @@ class FlightMatcher : public Matcher {
 
   bool HasBoresight() const override { return true; }
   Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
+
+  bool RemovePlantOffset(MatchResult* result) const override {
+    const std::vector<std::vector<PlantPair>> pairs = MakePlantPairs(*result);
+    std::vector<PlantPair> all;
+    for (const std::vector<PlantPair>& each : pairs)
+      all.insert(all.end(), each.begin(), each.end());
+    const matching_internal::PlantOffset found = EstimatePlantOffset(all, PlantSettings(*result));
+    double share = 0.0;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      for (std::size_t p = 0; p < pairs[k].size(); ++p) {
+        Correct(result->strip_pairs[k].i, pairs[k][p], found, &result->strip_pairs[k].pairs[p]);
+        share += pairs[k][p].volumetric_share.topLeftCorner<2, 2>().trace() / 2.0;
+      }
+    }
+    result->plant_offset = {found.offset_m, found.sigma_m, share / static_cast<double>(all.size())};
+    return true;
+  }
+
+  PlantOptions PlantSettings(const MatchResult& result) const {
+    PlantOptions settings;
+    settings.lever_arm_b_m = source_.mounting().lever_arm_b_m;
+    settings.boresight_rad = source_.mounting().boresight_rad;
+    settings.strip_position_sigma_m = options().sigma_ned_m.maxCoeff();
+    settings.strip_attitude_sigma_rad = options().sigma_rph_rad.maxCoeff();
+    settings.offset_sigma_m = kPlantOffsetSigma_gsd * result.gsd_m;
+    settings.strips = source_.strips().size();
+    return settings;
+  }
+
+  std::vector<std::vector<PlantPair>> MakePlantPairs(const MatchResult& result) const {
+    std::vector<std::vector<PlantPair>> all;
+    for (const StripPairMatch& match : result.strip_pairs) {
+      all.emplace_back();
+      for (const MatchedPair& pair : match.pairs) {
+        const LidarPair& p = pair.pair;
+        all.back().push_back(
+            {{MakeEnd(p.t_i_s, p.u_i_s), MakeEnd(p.t_j_s, p.u_j_s), *p.covariance_m2},
+             match.i,
+             match.j,
+             pair.volumetric_share,
+             Beam(p.t_i_s, p.u_i_s),
+             Beam(p.t_j_s, p.u_j_s)});
+      }
+    }
+    return all;
+  }
+
+  GaussHelmertEnd MakeEnd(double t_s, const Vector3d& u_s) const {
+    const MapPose pose = source_.PoseAt(t_s);
+    GaussHelmertEnd end;
+    end.t_s = t_s;
+    end.q_mb = pose.q_mb;
+    end.p_mb = pose.p_mb;
+    end.u_b = source_.mounting().R_bs_nominal * u_s;
+    return end;
+  }
+
+  Vector3d Beam(double t_s, const Vector3d& u_s) const {
+    const Vector3d u_b = LaserVectorInBody(source_.mounting(), u_s);
+    return source_.PoseAt(t_s).q_mb * u_b.normalized();
+  }
+
+  void Correct(std::size_t strip_i, const PlantPair& at,
+               const matching_internal::PlantOffset& found, MatchedPair* pair) const {
+    const Vector3d effect = at.Effect();
+    LidarPair& p = pair->pair;
+    const Vector3d p_i_m = source_.Position(strip_i, p.t_i_s, p.u_i_s);
+    p.u_i_s = source_.RawAt(strip_i, p.t_i_s, p_i_m - found.offset_m * effect);
+    *p.covariance_m2 += found.sigma_m * found.sigma_m * effect * effect.transpose();
+  }
 
   void AsGiven(const std::function<void()>& work) override {
     const Vector3d found_rad = source_.mounting().boresight_rad;

@@ -95,6 +95,10 @@ Json StripPairJson(const StripPairMatch& match, const MatchSource& source) {
           {"offset", matching_internal::OffsetJson(match)}};
 }
 
+Json PlantOffsetJson(const PlantRangeOffset& plants) {
+  return {{"offset_m", plants.offset_m}, {"sigma_m", plants.sigma_m}, {"share", plants.share}};
+}
+
 }  // namespace
 
 Misalignment ComputeMisalignment(const std::vector<Vector3d>& differences_m) {
@@ -153,17 +157,19 @@ Json MatchJson(const std::string& name, const MatchResult& result, const MatchSo
       count = count.get<std::size_t>() + strip_pairs.back()["counts"][stage].get<std::size_t>();
     }
   }
-  return {{"schema", "dn.match/1"},
-          {"flight", name},
-          {"gsd_m", result.gsd_m},
-          {"boresight_used_deg", ToJson(result.boresight_rad * kDegPerRad)},
-          {"variance_factor", result.variance_factor},
-          {"counts", counts},
-          {"misalignment", all.ToJson()},
-          {"strips", strips},
-          {"levels", levels},
-          {"strip_pairs", strip_pairs},
-          {"loops", matching_internal::LoopsJson(result, source)}};
+  Json json = {{"schema", "dn.match/1"},
+               {"flight", name},
+               {"gsd_m", result.gsd_m},
+               {"boresight_used_deg", ToJson(result.boresight_rad * kDegPerRad)},
+               {"variance_factor", result.variance_factor},
+               {"counts", counts},
+               {"misalignment", all.ToJson()},
+               {"strips", strips},
+               {"levels", levels},
+               {"strip_pairs", strip_pairs},
+               {"loops", matching_internal::LoopsJson(result, source)}};
+  if (result.plant_offset) json["plant_offset"] = PlantOffsetJson(*result.plant_offset);
+  return json;
 }
 
 std::string FormatMatches(const StripPairMatch& match) {

@@ -57,7 +57,8 @@ struct Scales {
 
 struct Score {
   Vector3d g = Vector3d::Zero();
-  Matrix3d N = Matrix3d::Zero();  ///< stiffness with the partners kept
+  Matrix3d N = Matrix3d::Zero();             ///< stiffness with the partners kept
+  Matrix3d N_volumetric = Matrix3d::Zero();  ///< its part from volumetric neighbourhoods
   Matrix3d scatter = Matrix3d::Zero();
   Vector2d moment = Vector2d::Zero();  ///< of the places, with their information of the height
   std::array<Vector3d, kPartsAcross * kPartsAcross> parts;
@@ -185,6 +186,7 @@ Score MakeScore(const std::vector<Difference>& differences, const Scales& scales
     const Vector3d g = weight * Wd;
     score.g += g;
     score.N += weight / scale * d.W;
+    if (!d.planar) score.N_volumetric += weight / scale * d.W;
     score.scatter += g * g.transpose();
     score.moment += weight / scale * d.W(2, 2) * d.at_en_m;
     score.parts[static_cast<std::size_t>(d.part)] += g;
@@ -279,6 +281,7 @@ std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSu
     const Score score = MakeScore(registrar.Differences(out.shift_m), scales);
     out.scatter = score.scatter;
     out.centre_en_m = score.moment / score.N(2, 2);
+    out.volumetric_share = score.N.ldlt().solve(score.N_volumetric);
     out.variance_ratio = VarianceRatio(score);
     if (out.variance_ratio == 0.0) return std::nullopt;
     if (!IsSignificant(out.stiffness, std::max(1.0, out.variance_ratio) * out.scatter, steps_m)) {

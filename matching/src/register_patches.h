@@ -42,6 +42,9 @@ struct Registration {
   /// Variance of the scores of the parts of the patch, divided by the variance for independent
   /// differences: K / (K - 3) sum_k g_k^T scatter^-1 g_k / 3 with the score g_k of part k of K.
   double variance_ratio = 1.0;
+  /// Shift of the patch per unit shift of the points in volumetric neighbourhoods: N^-1 N_v with
+  /// the information N of all differences and N_v of the volumetric ones.
+  Eigen::Matrix3d volumetric_share = Eigen::Matrix3d::Zero();
   std::size_t points = 0;  ///< in the cell, both strips
   std::size_t used = 0;    ///< points that looked for a partner
 

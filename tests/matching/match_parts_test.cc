@@ -342,6 +342,22 @@ TEST(AgreeWithNeighbours, WhatAnErrorOfAttitudeDoesIsNoDisagreement) {
   EXPECT_NEAR(agreement.variance_factor, 4.0, 1.0);
 }
 
+TEST(AgreeWithNeighbours, CovariancesGrowInTheDirectionThatDisagrees) {
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> normal;
+  std::vector<PlacedShift> shifts = ScatteredShifts();
+  const Vector3d along(0.6, 0.8, 0.0);
+  for (PlacedShift& shift : shifts) {
+    shift.shift_m = kShift_m + 0.15 * normal(engine) * along;
+    for (int axis = 0; axis < 3; ++axis) shift.shift_m[axis] += 0.05 * normal(engine);
+  }
+  const Agreement agreement = AgreeWithNeighbours(shifts);
+  const Eigen::Matrix3d C = agreement.Inflated(0.0025 * Eigen::Matrix3d::Identity());
+  EXPECT_NEAR(along.dot(C * along), 0.025, 0.006);
+  const Vector3d across(-0.8, 0.6, 0.0);
+  EXPECT_NEAR(across.dot(C * across), 0.0025, 0.0015);
+}
+
 TEST(PointTree, FindsWhatALookAtEveryPointFinds) {
   std::mt19937_64 engine(7);
   std::uniform_real_distribution<double> uniform(0.0, 10.0);

@@ -42,6 +42,8 @@ struct MatchedPair {
   Eigen::Vector3d p_j_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d after_m = Eigen::Vector3d::Zero();  ///< p_i - p_j with the alignment of all pairs
   double radius_m = 0.0;                              ///< half the side of the cell
+  /// Shift of the pair per unit shift of the returns of plants, edges and other volumes.
+  Eigen::Matrix3d volumetric_share = Eigen::Matrix3d::Zero();
 
   Eigen::Vector3d before_m() const { return p_i_m - p_j_m; }
 };
@@ -56,6 +58,14 @@ struct StripPairMatch {
   /// Variance inflation (>= 1) that makes neighbouring matches consistent.
   double variance_factor = 1.0;
   std::vector<MatchedPair> pairs;  ///< pairs that agree with their neighbours
+};
+
+/// Apparent range offset of plants: two strips see a plant from different sides, and their returns
+/// differ as if ranges to plants had this offset.
+struct PlantRangeOffset {
+  double offset_m = 0.0;
+  double sigma_m = 0.0;
+  double share = 0.0;  ///< mean horizontal volumetric share of the pairs
 };
 
 /// A level of the search from coarse to fine.
@@ -78,6 +88,8 @@ struct MatchResult {
   /// Variance inflation (>= 1) of all covariances: the variance from the scatter within patches,
   /// divided by the variance for independent distances.
   double variance_factor = 1.0;
+  /// For a flight with pairs. Their positions are corrected for it.
+  std::optional<PlantRangeOffset> plant_offset = {};
 
   std::size_t pairs() const;
 };
@@ -93,6 +105,8 @@ struct MatchResult {
 /// 3. The points themselves: registration of ground cells in both directions, with its covariance.
 ///    Cells of 96 GSD are divided into quarters as long as the quarters are accurate enough.
 /// 4. Matches that contradict their neighbours are left out.
+/// 5. The range offset of plants is estimated from all pairs, with a prior of half a GSD, and the
+///    pairs are corrected for it. Their covariances contain its sigma.
 ///
 /// Of a flight, steps 2 to 4 first match 32 large cells of each strip pair, because the boresight
 /// of the rasters leaves the strips tilted against each other. They are repeated once if the
