@@ -56,6 +56,11 @@ TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
   EXPECT_GE(counts["registered"].get<int>(), counts["pairs"].get<int>());
   EXPECT_TRUE(fs::exists(In("matched/lidar/1_2.txt")));
   ExpectPageMatchesFiles(In("matched"), 40);
+  const Json plants = Read("matched/match.json")["plant_offset"];
+  EXPECT_LT(plants["share"].get<double>(), 0.5);
+  EXPECT_LT(std::abs(plants["offset_m"].get<double>()), 4.0 * plants["sigma_m"].get<double>());
+  // Smooth roofs and ground without plants leave nothing to share.
+  EXPECT_THAT(FileContent(In("matched/flight.matched.yaml")), HasSubstr("unmodelled: {}"));
   const Json swaths = Read("matched/swaths.json")["swaths"];
   ASSERT_EQ(swaths.size(), 2u);
   EXPECT_EQ(swaths[0]["line_en_m"].size(), 60u);
