@@ -31,9 +31,10 @@ constexpr double kFarOriginM = 1e5;
 // A longer step between velocities counts as a gap.
 constexpr double kLongestStepS = 5.0;
 
-bool Agree(const BodyDirections& directions) {
-  return directions.down_agreement >= kMinAgreement &&
-         (!directions.course_b || directions.course_agreement >= kMinAgreement);
+/// Returns the directions without a course that scatters: the body is carried sideways.
+BodyDirections Reliable(BodyDirections directions) {
+  if (directions.course_agreement < kMinAgreement) directions.course_b.reset();
+  return directions;
 }
 
 /// Returns the letter of the nearest body axis: F, R, D or, if opposite, B, L, U.
@@ -52,7 +53,8 @@ Eigen::Matrix3d InDeclaredBody(const FlightConfig& config, Eigen::Matrix3d R) {
 
 void HintAxes(const Flight& flight, const BodyDirections& found, std::vector<DataHint>* hints) {
   const AxesFit fit = FitAxes(found);
-  if (!Agree(found) || fit.distance_rad > kMaxAxesDistanceRad || fit.R_turn.isIdentity()) return;
+  const bool reliable = found.down_agreement >= kMinAgreement;
+  if (!reliable || fit.distance_rad > kMaxAxesDistanceRad || fit.R_turn.isIdentity()) return;
   const Eigen::Matrix3d R = fit.R_turn * flight.config.imu->read.R_imu_to_body;
   const std::string matrix = MatrixText(InDeclaredBody(flight.config, R));
   std::string text = fmt::format(
@@ -70,15 +72,14 @@ std::string LagText(double lag_s) {
   return fmt::format("{:.4g} s {}", std::abs(lag_s), lag_s > 0.0 ? "late" : "early");
 }
 
-void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<DataHint>* hints) {
-  const double lag_s = turns.best_lag_s;
+/// `motion`: what shows the lag, for example "the turns of the course fit those of the gyros".
+void HintLag(const Flight& flight, const std::string& motion, double lag_s,
+             std::vector<DataHint>* hints) {
   const double whole_s = std::round(std::abs(lag_s));
   const bool leap = whole_s >= kLeapSecondsFrom && whole_s <= kLeapSecondsTo &&
                     std::abs(std::abs(lag_s) - whole_s) <= 0.5;
   const char* in_utc = lag_s < 0.0 ? "GNSS" : "inertial";
-  std::string text =
-      fmt::format("the turns of the course fit those of the gyros if the GNSS time tags are {}",
-                  LagText(lag_s));
+  std::string text = fmt::format("{} if the GNSS time tags are {}", motion, LagText(lag_s));
   if (!leap) {
     const double offset_s = flight.config.gnss->time_offset_s + lag_s;
     hints->push_back({text + ": the clocks differ", "gnss.time_offset_s", FormatDouble(offset_s)});
@@ -93,19 +94,31 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
       {text, lag_s < 0.0 ? "gnss.time_offset_s" : "imu.time_offset_s", FormatDouble(offset_s)});
 }
 
-void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<DataHint>* hints) {
-  if (turns.correlation < -kMirroredTurns) {
-    hints->push_back(
-        {"the course turns opposite to the gyros: latitude and longitude may be exchanged in "
-         "gnss.file, or in imu.file an axis or all specific forces have the wrong sign (name these "
-         "columns -fx, -fy, -fz in imu.columns)",
-         "", ""});
+/// Adds a hint if the turns or the accelerations show a lag. Accelerations are more exact.
+void HintClock(const Flight& flight, const DataAgreement& agreement, std::vector<DataHint>* hints) {
+  if (agreement.lag && agreement.lag->certain) {
+    const double lag_s = std::round(100.0 * agreement.lag->lag_s) / 100.0;
+    HintLag(flight, "the accelerations of the GNSS positions fit the inertial data", lag_s, hints);
     return;
   }
-  const bool shifted = turns.best_correlation > kSameTurns &&
-                       turns.best_correlation - turns.correlation > kMinGain &&
-                       std::abs(turns.best_lag_s) >= kMinLagS;
-  if (shifted) HintLag(flight, turns, hints);
+  const auto& turns = agreement.turns;
+  const bool shifted = turns && turns->best_correlation > kSameTurns &&
+                       turns->best_correlation - turns->correlation > kMinGain &&
+                       std::abs(turns->best_lag_s) >= kMinLagS;
+  if (shifted) {
+    HintLag(flight, "the turns of the course fit those of the gyros", turns->best_lag_s, hints);
+  }
+}
+
+/// Adds a hint if the course turns opposite to the gyros. Returns whether it does.
+bool HintMirror(const DataAgreement& agreement, std::vector<DataHint>* hints) {
+  if (!agreement.turns || agreement.turns->correlation >= -kMirroredTurns) return false;
+  hints->push_back(
+      {"the course turns opposite to the gyros: latitude and longitude may be exchanged in "
+       "gnss.file, or in imu.file an axis or all specific forces have the wrong sign (name these "
+       "columns -fx, -fy, -fz in imu.columns)",
+       "", ""});
+  return true;
 }
 
 /// Returns true if latitude and longitude could be radians and lie at sea when taken as degrees.
@@ -308,15 +321,16 @@ std::string MatrixText(const Eigen::Matrix3d& matrix) {
 DataAgreement FindDataAgreement(const Flight& flight, int threads) {
   DataAgreement agreement;
   if (!flight.imu) return agreement;
-  agreement.directions = FindBodyDirections(flight, threads);
+  agreement.directions = Reliable(FindBodyDirections(flight, threads));
   if (flight.gnss && !flight.gnss->epochs.empty()) agreement.turns = CompareTurns(flight);
+  agreement.lag = FindGnssLag(flight);
   return agreement;
 }
 
 std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agreement) {
   std::vector<DataHint> hints;
   if (flight.gnss && !flight.gnss->epochs.empty()) HintCoordinates(flight, &hints);
-  if (agreement.turns) HintTurns(flight, *agreement.turns, &hints);
+  if (!HintMirror(agreement, &hints)) HintClock(flight, agreement, &hints);
   if (agreement.directions) HintAxes(flight, *agreement.directions, &hints);
   HintAttitude(flight, &hints);
   HintPairClock(flight, &hints);

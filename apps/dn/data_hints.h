@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/files/flight.h>
+#include <dn/navigation/gnss_lag.h>
 #include <dn/navigation/sensor_agreement.h>
 
 #include <optional>
@@ -13,6 +14,7 @@ namespace dn::apps {
 struct DataAgreement {
   std::optional<BodyDirections> directions;
   std::optional<TurnComparison> turns;
+  std::optional<GnssLag> lag;
 };
 
 DataAgreement FindDataAgreement(const Flight& flight, int threads = 1);

@@ -5,7 +5,10 @@
 #include <dn/files/strip_files.h>
 #include <dn/files/yaml_sections.h>
 #include <dn/geo/text_table.h>
+#include <dn/imu/unit_agreement.h>
 #include <dn/imu/white_rows.h>
+#include <dn/report/value_words.h>
+#include <dn/rotation.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -119,6 +122,26 @@ std::string ColumnNamesText(const FileContent& content) {
                      FormatColumnNames(content.columns));
 }
 
+/// Describes the relation of a second inertial unit to the one in use.
+std::string UnitsText(const std::string& used, const std::string& other,
+                      const std::optional<UnitAgreement>& found) {
+  if (!found) {
+    return other + " and " + used + " do not show the same rotations at any offset of their clocks";
+  }
+  const Eigen::Vector3d turn_deg = kDegPerRad * Log(found->q_ba);
+  const Eigen::Vector3d sigma_deg = kDegPerRad * found->sigma_rotation_rad;
+  return fmt::format(
+      "{} shows the rotations of {}: its tags are {} s {} and drift by {} ppm, and its axes are "
+      "turned by {}, {}, {} deg about x, y, z; the two {} (variance ratio {:.2f}, p = {:.2g})",
+      other, used, FormatWithSigma(std::abs(found->offset_s), found->sigma_offset_s),
+      found->offset_s < 0.0 ? "early" : "late",
+      FormatWithSigma(1e6 * found->drift, 1e6 * found->sigma_drift),
+      FormatWithSigma(turn_deg[0], sigma_deg[0]), FormatWithSigma(turn_deg[1], sigma_deg[1]),
+      FormatWithSigma(turn_deg[2], sigma_deg[2]),
+      found->p_value < 1e-3 ? "differ by more than their noise" : "agree within their noise",
+      found->variance_ratio, found->p_value);
+}
+
 std::string ListText(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", FormatDouble(v[0]), FormatDouble(v[1]), FormatDouble(v[2]));
 }
@@ -209,7 +232,29 @@ void FlightDraft::Settle() {
     axes_notes_.push_back(std::string("inertial and GNSS data do not fit each other: ") +
                           error.what());
   }
+  CompareOtherUnits();
   SettleScanner();
+}
+
+void FlightDraft::CompareOtherUnits() {
+  if (!imu_) return;
+  const FileContent used = *imu_;
+  const auto read = [&](const FileContent& content) {
+    imu_ = content;
+    return ReadFlight(ParseFlightConfig(ImuText(), folder_), {.imu = true, .gnss = false});
+  };
+  for (const FileContent& other : others_) {
+    if (other.kind != FileKind::kImu) continue;
+    try {
+      const Flight a = read(used), b = read(other);
+      found_.push_back(
+          UnitsText(Named(used.file), Named(other.file), CompareUnits(*a.imu, *b.imu)));
+    } catch (const InvalidInput& error) {
+      notes_.push_back(Named(other.file) +
+                       " cannot be compared with the other inertial data: " + error.what());
+    }
+  }
+  imu_ = used;
 }
 
 void FlightDraft::SettleSensors() {

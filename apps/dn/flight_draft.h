@@ -41,6 +41,8 @@ class FlightDraft {
   /// Replaces the files of a sensor until one can be read.
   void TakeReadable(FileKind kind, std::optional<FileContent>* place);
   void SettleSensors();
+  /// Compares the rotations of all other inertial files with those of the file in use.
+  void CompareOtherUnits();
   void SettleScanner();
   std::string SensorsText() const;
   std::string ImuText() const;

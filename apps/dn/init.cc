@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <system_error>
 
@@ -62,24 +63,11 @@ void ExpectFolder(const fs::path& folder) {
                       FileLocation{file.string(), 0, 0});
 }
 
-void Init(const InitArguments& options, Run& run) {
-  const fs::path folder = options.folder;
-  ExpectFolder(folder);
-  run.progress().Stage("looking at " + folder.string());
-  const std::vector<FileContent> contents = LookAtFlightFolder(folder);
-  FlightDraft draft(folder, contents);
-  if (draft.empty()) {
-    throw InvalidInput("no file in " + folder.string() +
-                       " contains inertial data, GNSS positions, pairs or a trajectory; "
-                       "docs/reference/formats.md describes the formats");
-  }
-  draft.Settle();
-  if (draft.empty()) {
-    throw InvalidInput("no file in " + folder.string() + " can be read; " + draft.notes().front());
-  }
-  WriteFileAtomically(folder / "flight.yaml", draft.Text());
+/// Prints what each file of the folder is.
+void PrintContents(const fs::path& folder, const std::vector<FileContent>& contents,
+                   const FlightDraft& draft) {
   for (const FileContent& content : contents) {
-    if (content.kind == FileKind::kUnknown || content.kind == FileKind::kPointCloud) continue;
+    if (content.kind == FileKind::kUnknown) continue;
     fmt::print("found    {:<22} {}\n", content.file.lexically_relative(folder).string(),
                KindName(content.kind));
   }
@@ -87,6 +75,31 @@ void Init(const InitArguments& options, Run& run) {
     fmt::print("found    {:<22} a strip\n", strip.lexically_relative(folder).string());
   }
   for (const std::string& text : draft.notes()) fmt::print("note     {}\n", text);
+}
+
+/// Throws InvalidInput if the draft has no data from which a command could start.
+void ExpectData(const fs::path& folder, const std::vector<FileContent>& contents,
+                const FlightDraft& draft) {
+  if (!draft.empty()) return;
+  PrintContents(folder, contents, draft);
+  std::fflush(stdout);
+  const std::string what = contents.empty() ? " is empty" : " has only the files listed above";
+  throw InvalidInput(folder.string() + what +
+                     ": add a trajectory, or inertial data and GNSS positions of the flight "
+                     "(docs/reference/formats.md)");
+}
+
+void Init(const InitArguments& options, Run& run) {
+  const fs::path folder = options.folder;
+  ExpectFolder(folder);
+  run.progress().Stage("looking at " + folder.string());
+  const std::vector<FileContent> contents = LookAtFlightFolder(folder);
+  FlightDraft draft(folder, contents);
+  ExpectData(folder, contents, draft);
+  draft.Settle();
+  ExpectData(folder, contents, draft);
+  WriteFileAtomically(folder / "flight.yaml", draft.Text());
+  PrintContents(folder, contents, draft);
   for (const std::string& text : draft.found()) fmt::print("settled  {}\n", text);
   for (const std::string& text : draft.Missing()) fmt::print("missing  {}\n", text);
   fmt::print("wrote    {}\nnext     dn check {}\n", (folder / "flight.yaml").string(),

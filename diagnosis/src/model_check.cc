@@ -1,3 +1,4 @@
+#include <dn/adjustment/unknown_noise.h>
 #include <dn/adjustment/words.h>
 #include <dn/diagnosis/model_check.h>
 #include <dn/diagnosis/scanner_mountings.h>
@@ -5,6 +6,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/files/flight.h>
 #include <dn/files/scanners.h>
+#include <dn/navigation/gnss_lag.h>
 #include <dn/parallel.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
@@ -502,6 +504,12 @@ class Checker {
     return {};
   }
 
+  /// Returns true if noise that was estimated may hide GNSS tags that are far off.
+  bool NoiseHidesTags() const {
+    const Flight& flight = network_.flight();
+    return HasUnknownNoise(flight.config) && !GnssTagsFit(flight);
+  }
+
   /// Returns nullopt also for an offset beyond `longest_linear_s`, unless it is an unknown.
   std::optional<ClockEstimate> EstimateClock(EffectId offset, EffectId drift,
                                              const JointScore& score,
@@ -528,6 +536,7 @@ class Checker {
     const bool first_order = !FindComponents(offset, score).empty();
     take(offset, &clock.offset_s, &clock.sigma_offset_s);
     if (first_order && std::abs(clock.offset_s) > longest_linear_s) return std::nullopt;
+    if (first_order && offset == EffectId::kGnssTimeOffset && NoiseHidesTags()) return std::nullopt;
     take(drift, &clock.drift, &clock.sigma_drift);
     if (at == 2) {
       clock.correlation = test.covariance(0, 1) / (clock.sigma_offset_s * clock.sigma_drift);

@@ -184,6 +184,10 @@ class RawFolder {
       folder_.Write(std::string("raw/") + name, flight_.Read(name));
     }
   }
+  void Write(const std::string& name, const std::string& text) const {
+    folder_.Write("raw/" + name, text);
+  }
+
   std::string path() const { return (folder_.path() / "raw").string(); }
   std::string out() const { return (folder_.path() / "out").string(); }
   std::string Yaml() const { return FileContent(folder_.path() / "raw/flight.yaml"); }
@@ -305,6 +309,43 @@ TEST(CliInit, NamesTheColumnsOfALog) {
   EXPECT_THAT(check.out, Not(HasSubstr("look at")));
 }
 
+// A second unit on the body, turned about x, with a clock of its own.
+TEST(CliInit, ComparesTwoInertialUnits) {
+  const DamagedFlight turned;
+  EachRow(turned, "IMU.txt", [](std::size_t, Row* row) {
+    for (const int c : {2, 3, 5, 6}) (*row)[c] *= -1.0;
+    (*row)[0] += 100.0;
+  });
+  const RawFolder raw;
+  raw.Write("second.txt", turned.Read("IMU.txt"));
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out,
+              HasSubstr("settled  second.txt shows the rotations of IMU.txt: its tags are 100"));
+  EXPECT_THAT(init.out, HasSubstr("turned by 180"));
+}
+
+// An RTKLIB solution whose header names the wrong time system.
+TEST(CliInit, ASolutionInUtcIsSettled) {
+  const DamagedFlight flight;
+  std::string solution =
+      "%  GPST  latitude(deg) longitude(deg) height(m)  Q  ns  sdn(m)  sde(m)  sdu(m)\n";
+  EachRow(flight, "GPS.txt", [&](std::size_t, Row* row) {
+    const Row& r = *row;
+    solution += "2280 " + FormatDouble(r[0] - 18.0);
+    for (const int c : {1, 2, 3}) solution += " " + FormatDouble(r[c]);
+    solution += " 1 12 0.015 0.015 0.03\n";
+  });
+  const RawFolder raw;
+  raw.Write("rover.pos", solution);
+  fs::remove(fs::path(raw.path()) / "GPS.txt");
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out, HasSubstr("are the GNSS tags in UTC, which is 18 s behind GPS time?"));
+  EXPECT_THAT(raw.Yaml(), HasSubstr("time_offset_s: -18"));
+  EXPECT_THAT(RunProgram({"check", raw.path()}).out, Not(HasSubstr("look at")));
+}
+
 TEST(CliInit, LeavesAFlightYamlAsItIs) {
   const RawFolder raw;
   EXPECT_EQ(RunProgram({"init", raw.path()}).exit_code, 0);
@@ -313,12 +354,15 @@ TEST(CliInit, LeavesAFlightYamlAsItIs) {
   EXPECT_THAT(again.err, HasSubstr("left as it is"));
 }
 
-TEST(CliInit, AFolderWithoutDataIsRefused) {
+TEST(CliInit, AFolderWithoutDataIsListedWithWhatIsMissing) {
   const TempFolder folder;
   folder.Write("readme.txt", "hello\n");
+  folder.Write("strip.las", "LASF" + std::string(400, ' '));
   const ProgramRun run = RunProgram({"init", folder.path().string()});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.err, HasSubstr("no file in"));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("readme.txt is not used: "),
+                             HasSubstr("found    strip.las              a point cloud")));
+  EXPECT_THAT(run.err, HasSubstr("add a trajectory, or inertial data and GNSS positions"));
   EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
 }
 

@@ -1,6 +1,10 @@
 #include <dn/adjustment/stages.h>
 #include <dn/error.h>
+#include <dn/navigation/gnss_lag.h>
 #include <dn/stopwatch.h>
+
+#include <string>
+#include <vector>
 
 #include "expect_pairs.h"
 
@@ -18,6 +22,25 @@ void AdjustOptions::Validate() const {
   }
 }
 
+namespace {
+
+/// Runs the stages. If they do not converge, the message says whether the sensors share a motion.
+void RunStages(const std::vector<AdjustmentStage>& stages, AdjustmentRun& run) {
+  try {
+    for (const AdjustmentStage& stage : stages) stage.run(run);
+  } catch (const NotConverged& error) {
+    if (GnssTagsFit(run.flight())) throw;
+    throw NotConverged(
+        std::string("the inertial data do not show the motion of the GNSS positions: their "
+                    "accelerations agree equally with tags that are seconds or minutes off. The "
+                    "clocks are far apart, the files are of different flights, or vibration hides "
+                    "the motion; ") +
+        error.what());
+  }
+}
+
+}  // namespace
+
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
   options.Validate();
   if (!flight.imu || !flight.gnss) {
@@ -27,7 +50,7 @@ Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
   const Stopwatch watch;
   AdjustmentRun run(flight, options);
   const auto& stages = options.stages.empty() ? DefaultStages(options.with_pairs) : options.stages;
-  for (const AdjustmentStage& stage : stages) stage.run(run);
+  RunStages(stages, run);
   run.ExpectCustomised();
   run.result().residual_final_m = run.MeanPairDifference();
   run.result().time_s = watch.seconds();

@@ -102,14 +102,7 @@ void ExpectFit(AdjustmentRun& run) {
 void ExpectNearClock(AdjustmentRun& run) {
   const auto& clock = run.result().gnss_clock;
   if (!clock || std::abs(clock->offset_s) <= kLargestClockOffsetS) return;
-  throw SensorsContradict(
-      "the GNSS time tags are " +
-          FormatWithSigma(std::abs(clock->offset_s), clock->sigma_offset_s) +
-          (clock->offset_s > 0.0 ? " s late" : " s early") +
-          " against those of the inertial data: ",
-      "correct the tags (gnss.time_offset_s), or check the time systems of both files and the "
-      "leap seconds of the program that wrote them",
-      {run.flight().config.gnss->file});
+  adjustment_internal::FailFarClock(run.flight(), clock->offset_s, clock->sigma_offset_s);
 }
 
 // Returns the largest ratio, over the axes, of time-correlated to white variance at the first

@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "gnss_clock.h"
 #include "network_at.h"
 
 namespace dn {
@@ -94,6 +95,7 @@ void RemakeWholeNetwork(AdjustmentRun& run) {
 void MakeNetwork(AdjustmentRun& run) {
   run.Announce("alignment");
   const Flight& flight = run.flight();
+  adjustment_internal::ExpectCommonTime(flight);
   const bool with_pairs = run.options().with_pairs;
   const TimeInterval gnss_span = NetworkSpan(flight, false);
   const std::vector<double> coarse =

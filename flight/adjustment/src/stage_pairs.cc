@@ -1,5 +1,6 @@
 #include <dn/adjustment/stages.h>
 #include <dn/builder/use_survey.h>
+#include <dn/files/pair_clock.h>
 #include <dn/files/scanners.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/robust_scale.h>
@@ -51,6 +52,7 @@ void AddPairs(AdjustmentRun& run) {
   adjustment_internal::ExpectPairs(run.flight());
   const std::vector<LidarPair>& pairs = run.flight().pairs->pairs;
   ExpectSeveralEpochs(pairs);
+  ExpectPairClock(run.flight());
   run.network().AddPairs(pairs);
   if (run.network().pairs().edges().empty()) {
     throw InvalidInput(

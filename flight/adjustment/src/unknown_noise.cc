@@ -296,6 +296,7 @@ bool HasUnknownNoise(const FlightConfig& config) {
 }
 
 NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
+  adjustment_internal::ExpectCommonTime(*flight);  // larger sizes would hide such a clock
   StartAtRawLevel(*flight->imu, &flight->config.imu->model);
   std::vector<ScaledSizes> all = EstimatedSizes(&flight->config);
   FreeClock clock(&flight->config);

@@ -108,7 +108,8 @@ std::vector<AdjustmentStage> DefaultStages(bool with_pairs = true);
 std::vector<AdjustmentStage>::iterator FindStage(const std::string& name,
                                                  std::vector<AdjustmentStage>* stages);
 
-/// Makes the network with the initial trajectory from the alignment. Throws InvalidInput.
+/// Makes the network with the initial trajectory from the alignment. Throws InvalidInput, and
+/// SensorsContradict if the GNSS tags are off by seconds (FindGnssLag).
 void MakeNetwork(AdjustmentRun& run);
 
 /// Solves the INS/GNSS network. The loss on GNSS is that of gnss.robust, Huber by default. It
@@ -131,7 +132,7 @@ void ScreenGnss(AdjustmentRun& run);
 
 /// Adds the edges of the pairs and of the control. The surveys of control points are not active
 /// yet: a wrong one would bend the trajectory before the pairs are screened. Throws InvalidInput if
-/// no pair joins two nodes.
+/// no pair joins two nodes, or if the tags of the pairs are off by seconds (FindPairClockOffset).
 void AddPairs(AdjustmentRun& run);
 
 /// Estimates the boresight alone by Gauss-Newton, with Cauchy weights at the median scale.

@@ -1,0 +1,82 @@
+#include <dn/imu/unit_agreement.h>
+#include <dn/rotation.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace dn::imu_test {
+
+constexpr double kSigmas = 4.0;
+constexpr double kNoise_radps = 2e-3;
+
+/// Returns the rates of a body that turns about all axes, aperiodically.
+Eigen::Vector3d Rates(double t_s) {
+  return {0.3 * std::sin(0.9 * t_s + 0.002 * t_s * t_s),
+          0.2 * std::sin(1.7 * t_s) * std::cos(0.11 * t_s),
+          0.4 * std::sin(0.23 * t_s + 0.003 * t_s * t_s)};
+}
+
+/// A unit on the body: clock, axes and noise.
+struct Unit {
+  double offset_s = 0.0, drift = 0.0;
+  Eigen::Quaterniond q_unit_body = Eigen::Quaterniond::Identity();
+  double rate_hz = 100.0;
+  unsigned seed = 1;
+  double bending_radps = 0.0;  // rate at which the axes turn about x
+
+  ImuData Record(double length_s) const {
+    ImuData imu;
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, kNoise_radps * std::sqrt(0.1 * rate_hz));
+    const double dt_s = 1.0 / rate_hz;
+    for (double t_s = dt_s; t_s < length_s; t_s += dt_s) {
+      const Eigen::Quaterniond bend = Exp(Eigen::Vector3d(bending_radps * t_s, 0.0, 0.0));
+      ImuSample sample{t_s + offset_s + drift * t_s, dt_s};
+      sample.w_ib_b_radps = bend * (q_unit_body * Rates(t_s - 0.5 * dt_s));
+      for (double& w : sample.w_ib_b_radps) w += noise(random);
+      imu.samples.push_back(sample);
+    }
+    imu.nominal_dt_s = dt_s;
+    return imu;
+  }
+};
+
+Unit OtherUnit() {
+  const Eigen::Quaterniond q = Exp(Eigen::Vector3d(3.0, 0.1, -0.2));
+  return {.offset_s = 187.3, .drift = 2e-4, .q_unit_body = q, .rate_hz = 120.0, .seed = 2};
+}
+
+TEST(UnitAgreement, FindsClockAndAxesWithinTheirSigmas) {
+  const Unit other = OtherUnit();
+  const auto found = CompareUnits(Unit{}.Record(200.0), other.Record(200.0));
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->offset_s, other.offset_s + other.drift * found->first_s,
+              kSigmas * found->sigma_offset_s);
+  EXPECT_LT(found->sigma_offset_s, 1e-3);
+  EXPECT_NEAR(found->drift, other.drift, kSigmas * found->sigma_drift);
+  const Eigen::Vector3d turn = Log(Eigen::Quaterniond(found->q_ba * other.q_unit_body.conjugate()));
+  EXPECT_LT(turn.cwiseQuotient(found->sigma_rotation_rad).cwiseAbs().maxCoeff(), kSigmas);
+  EXPECT_GT(found->p_value, 1e-3);
+  EXPECT_NEAR(found->noise_radps, std::sqrt(2.0) * kNoise_radps, 0.2 * kNoise_radps);
+}
+
+TEST(UnitAgreement, UnitsThatTurnAgainstEachOtherDisagree) {
+  Unit other = OtherUnit();
+  other.bending_radps = 2e-4;
+  const auto found = CompareUnits(Unit{}.Record(200.0), other.Record(200.0));
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->p_value, 1e-6);
+}
+
+TEST(UnitAgreement, OtherMotionsAndTurnsAboutOneAxisAreNotCompared) {
+  const ImuData a = Unit{}.Record(100.0);
+  ImuData other = a, about_x = a;
+  for (ImuSample& sample : other.samples) sample.w_ib_b_radps = Rates(1.37 * sample.t_s + 1000.0);
+  EXPECT_FALSE(CompareUnits(a, other));
+  for (ImuSample& sample : about_x.samples) sample.w_ib_b_radps.tail<2>().setZero();
+  EXPECT_FALSE(CompareUnits(about_x, about_x));
+  EXPECT_FALSE(CompareUnits(Unit{}.Record(15.0), Unit{}.Record(15.0)));
+}
+
+}  // namespace dn::imu_test
