@@ -142,12 +142,12 @@ class Span {
   }
 
   Vector3d Residual(const Relation& relation, double t_s) const {
-    return b_.Mean(TagOfB(relation, t_s)) - relation.R_ba * a_.Mean(t_s) - relation.bias_radps;
+    return b_.Mean(SecondTag(relation, t_s)) - relation.R_ba * a_.Mean(t_s) - relation.bias_radps;
   }
 
   /// Adds the normal equations of one bin.
   void Accumulate(const Relation& relation, double t_s, Normals* N, Parameters* g) const {
-    const double tag_s = TagOfB(relation, t_s);
+    const double tag_s = SecondTag(relation, t_s);
     const Vector3d slope = (b_.Mean(tag_s + 0.5 * kBinS) - b_.Mean(tag_s - 0.5 * kBinS)) / kBinS;
     Eigen::Matrix<double, 3, 8> J;
     J << slope, (t_s - first_s_) * slope, Skew(Vector3d(relation.R_ba * a_.Mean(t_s))),
@@ -159,7 +159,7 @@ class Span {
   const std::vector<double>& bins_s() const { return bins_s_; }
 
  private:
-  double TagOfB(const Relation& relation, double t_s) const {
+  double SecondTag(const Relation& relation, double t_s) const {
     return t_s + relation.offset_s + relation.drift * (t_s - first_s_);
   }
 
@@ -263,7 +263,7 @@ class Pair {
   }
 
   /// Returns the sum of the squared differences of all parts from the whole.
-  double DifferencesOfParts(const Relation& whole) const {
+  double PartDifferences(const Relation& whole) const {
     const double length_s = (last_s_ - first_s_) / kParts;
     double sum = 0.0;
     for (int k = 0; k < kParts; ++k) {
@@ -293,7 +293,7 @@ std::optional<UnitAgreement> CompareUnits(const ImuData& a, const ImuData& b) {
   if (!whole) return std::nullopt;
   // Offset and rotation of each part, less offset, drift and rotation of the whole.
   constexpr int kDof = 4 * kParts - 5;
-  const double sum = pair.DifferencesOfParts(whole->relation);
+  const double sum = pair.PartDifferences(whole->relation);
   const double ratio = sum / kDof;
   const Parameters sigma =
       std::sqrt(std::max(1.0, ratio)) * whole->covariance.diagonal().cwiseSqrt();

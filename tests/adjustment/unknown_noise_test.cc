@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
 namespace dn::adjustment_test {
@@ -74,6 +75,26 @@ TEST(UnknownNoise, GnssSigmasGrowAndStatedFiguresAreTheStart) {
   const auto sizes = ByName(EstimateNoise({}, &sim.flight));
   EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 2.0, 0.25);
   EXPECT_NEAR(sizes.at("imu.gyro.white").start, 0.5, 1e-12);
+}
+
+// Larger noise would hide the contradiction, and give a wrong clock with a small sigma.
+TEST(UnknownNoise, TagsThatAreSecondsLateAreRefusedWithTheirValue) {
+  SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) epoch.t_s += 10.0;
+  try {
+    EstimateNoise({}, &sim.flight);
+    FAIL() << "no exception";
+  } catch (const SensorsContradict& error) {
+    const std::string text = error.finding(), before = "the GNSS time tags are ";
+    ASSERT_EQ(text.compare(0, before.size(), before), 0) << text;
+    EXPECT_NEAR(std::stod(text.substr(before.size())), 10.0, 0.2);
+  }
+}
+
+TEST(UnknownNoise, PairsThatAreSecondsLateAreRefusedWithTheirValue) {
+  const SimulatedFlight sim = testing::Fly(
+      testing::DroneScenario("effects: [{effect: lidar_time_offset, value: 10}]\n"), 3);
+  testing::ExpectInvalid([&] { Adjust(sim.flight, {}); }, "10 s late", 0);
 }
 
 // With the stated noise, the sensors contradict each other. Here this does not end the work.

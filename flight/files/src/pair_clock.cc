@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <vector>
 
 namespace dn {
@@ -111,10 +112,11 @@ std::string LidarClockHint(double offset_s, double declared_s) {
 void ExpectPairClock(const Flight& flight) {
   const std::optional<double> offset_s = FindPairClockOffset(flight);
   if (!offset_s) return;
+  const std::vector<std::filesystem::path>& files = flight.pairs->files;
   throw InvalidInput(
       "the ground points of the pairs do not agree as tagged; their time tags seem " +
           LidarClockHint(*offset_s, flight.config.lidar->time_offset_s),
-      FileLocation{flight.pairs->files.front().string(), 0, 0});
+      FileLocation{files.empty() ? "" : files.front().string(), 0, 0});
 }
 
 std::optional<double> FindPairClockOffset(const Flight& flight) {
