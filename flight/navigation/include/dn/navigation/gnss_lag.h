@@ -10,7 +10,7 @@ namespace dn {
 struct GnssLag {
   double lag_s = 0.0;    ///< tag = t + lag
   double sigma_s = 0.0;  ///< standard deviation of lag_s
-  double gain = 0.0;  ///< ln of the likelihood ratio of lag_s and lag 0
+  double gain = 0.0;     ///< ln of the likelihood ratio of lag_s and lag 0
   /// True if lag_s is decisively better than all lags that are not its neighbours, and fits nearly
   /// as well as the noise of the positions allows. Otherwise the motion repeats itself, the files
   /// belong to different flights, or the true lag is beyond the search.
