@@ -22,7 +22,8 @@ using navigation_internal::MotionRecord;
 
 constexpr double kLongestLagS = 120.0;
 constexpr double kLagSpacingS = 0.25;
-constexpr int kLagCount = static_cast<int>(2.0 * kLongestLagS / kLagSpacingS) + 1;
+constexpr int kZeroLagStep = static_cast<int>(kLongestLagS / kLagSpacingS);
+constexpr int kLagCount = 2 * kZeroLagStep + 1;
 constexpr double kFinestSpacingS = 0.03;
 // An adjustment finds shorter lags itself.
 constexpr double kShortestLagS = 2.0;
@@ -199,7 +200,7 @@ class Comparison {
   std::vector<Window> windows_;
 };
 
-double LagAt(int step) { return (step - kLagCount / 2) * kLagSpacingS; }
+double LagAt(int step) { return (step - kZeroLagStep) * kLagSpacingS; }
 
 /// Likelihood of lags against lag 0.
 class LagLikelihood {
