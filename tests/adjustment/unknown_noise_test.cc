@@ -85,7 +85,8 @@ TEST(UnknownNoise, TagsThatAreSecondsLateAreRefusedWithTheirValue) {
     EstimateNoise({}, &sim.flight);
     FAIL() << "no exception";
   } catch (const SensorsContradict& error) {
-    const std::string text = error.finding(), before = "the GNSS time tags are ";
+    const std::string& text = error.finding();
+    const std::string before = "the GNSS time tags are ";
     ASSERT_EQ(text.compare(0, before.size(), before), 0) << text;
     EXPECT_NEAR(std::stod(text.substr(before.size())), 10.0, 0.2);
   }

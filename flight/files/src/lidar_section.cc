@@ -187,7 +187,7 @@ void ExpectPlainName(const YamlValue& value, const std::string& name) {
 
 std::string ReadScannerName(const YamlValue& item, const std::vector<std::string>& before) {
   const YamlValue value = item["name"];
-  const std::string name = value ? ReadName(value) : std::to_string(before.size() + 1);
+  std::string name = value ? ReadName(value) : std::to_string(before.size() + 1);
   ExpectPlainName(value, name);
   if (HasName(before, name)) item.Fail("two scanners have the name '" + name + "'");
   return name;
