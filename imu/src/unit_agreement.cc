@@ -1,9 +1,9 @@
 #include <dn/distributions.h>
+#include <dn/fit_rotation.h>
 #include <dn/imu/unit_agreement.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -135,10 +135,9 @@ class Span {
     for (const double t_s : bins_s_) {
       B += (b_.Mean(t_s + offset_s) - mean_b) * (a_.Mean(t_s) - mean_a).transpose();
     }
-    const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-    *determined = svd.singularValues()[1] > kLeastTurn * svd.singularValues()[0];
-    return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    const RotationFit fit = FitRotation(B);
+    *determined = fit.singular_values[1] > kLeastTurn * fit.singular_values[0];
+    return fit.R;
   }
 
   Vector3d Residual(const Relation& relation, double t_s) const {

@@ -1,9 +1,9 @@
 #include <dn/builder/gnss_factors.h>
+#include <dn/fit_rotation.h>
 #include <dn/navigation/gnss_lag.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -161,9 +161,7 @@ class Comparison {
     for (std::size_t k = 0; k < inertial.size(); ++k) {
       B += window.triples[k].beta_mps2 * inertial[k].alpha_mps2.transpose();
     }
-    const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-    return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    return FitRotation(B).R;
   }
 
   static Eigen::Matrix<double, kUnknowns, kUnknowns> Priors() {

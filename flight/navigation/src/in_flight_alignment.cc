@@ -1,8 +1,8 @@
 #include "in_flight_alignment.h"
 
 #include <dn/builder/gnss_factors.h>
+#include <dn/fit_rotation.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -96,11 +96,9 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   }
   InFlight result;
   if (used < 3) return result;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-  result.q_mb = Eigen::Quaterniond(
-      Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
-  const double explained = 2.0 * svd.singularValues().dot(signs);
+  const RotationFit fit = FitRotation(B);
+  result.q_mb = Eigen::Quaterniond(fit.R);
+  const double explained = 2.0 * fit.singular_values.dot(fit.signs);
   result.misfit_mps2 = std::sqrt(std::max(0.0, squares - explained) / used);
   const double noise_mps2 = std::sqrt(6.0) * sigma_m / (spacing_s * spacing_s);
   const double excess = horizontal2 - 2.0 * used * noise_mps2 * noise_mps2;
