@@ -23,6 +23,7 @@
 #include "new_strips.h"
 #include "noise_output.h"
 #include "option_checks.h"
+#include "swath_files.h"
 
 namespace dn::apps {
 namespace {
@@ -327,10 +328,8 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
 /// more.
 void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
                const PoseInterpolator& poses, Run* run) {
-  if (HasName(run->files().staged(), "swaths.json")) return;
-  const std::vector<Swath> swaths = MakeSwaths(FindStrips(flight), pairs, poses);
-  run->AddFile("swaths.json", FormatSwaths(swaths));
-  run->AddFile("swaths.geojson", FormatSwathLayer(swaths, flight.frame));
+  if (HasSwathFiles(*run)) return;
+  AddSwathFiles(MakeSwaths(FindStrips(flight), pairs, poses), flight.frame, run);
 }
 
 void AddPairFiles(const Flight& flight, const std::vector<PairResidual>& pairs,

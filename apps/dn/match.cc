@@ -1,3 +1,4 @@
+#include <dn/adjustment/swaths.h>
 #include <dn/files/flight.h>
 #include <dn/geo/text_table.h>
 #include <dn/matching/match.h>
@@ -90,6 +91,7 @@ void MatchBareCommand(const MatchCommand& command, Run& run) {
   const MatchResult result = MatchBareStrips(&source, MakeMatchOptions(command, run));
   run.AddFile("pairs_xyz.txt", FormatPositions(result, source));
   AddMatchFiles(files.front().stem().string(), result, source, run);
+  run.AddFile("swaths.json", FormatSwaths(result.swaths));
   if (result.pairs() == 0) FailNoPairs();
 }
 

@@ -1,7 +1,5 @@
 #include "match_flight.h"
 
-#include <dn/adjustment/map_layers.h>
-#include <dn/adjustment/swaths.h>
 #include <dn/error.h>
 #include <dn/files/flight.h>
 #include <dn/files/scanners.h>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "given_trajectory.h"
+#include "swath_files.h"
 
 namespace dn::apps {
 namespace {
@@ -220,7 +219,6 @@ void AddMatchFiles(const std::string& name, const MatchResult& result, const Mat
         FormatMatches(pair));
   }
   run.AddFile("match.json", FormatJson(match));
-  run.AddFile("swaths.json", FormatSwaths(result.swaths));
   run.report()["flight"] = name;
   run.report()["matching"] = match["counts"];
   Print(match);
@@ -241,7 +239,7 @@ void AddMatches(const MatchedFlight& matched, Run& run) {
                 FormatPairs(pairs, Weaker(*strips[match.i].origin, *strips[match.j].origin)));
   }
   AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
-  run.AddFile("swaths.geojson", FormatSwathLayer(matched.result.swaths, matched.source->frame()));
+  AddSwathFiles(matched.result.swaths, matched.source->frame(), &run);
 }
 
 void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder, Run& run) {

@@ -1,19 +1,17 @@
 #include "new_strips.h"
 
-#include <dn/adjustment/map_layers.h>
-#include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/error.h>
 #include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/interrupted.h>
-#include <dn/names.h>
 #include <fmt/format.h>
 
 #include <utility>
 
 #include "interruption.h"
 #include "strip_differences.h"
+#include "swath_files.h"
 
 namespace dn::apps {
 namespace {
@@ -164,10 +162,7 @@ void GeoreferenceStrips(NewStrips work, Run& run) {
   const Json differences = CompareStrips(surfaces, crs, &run);
   if (!differences.empty()) georef["strip_differences"] = differences;
   run.AddFile("georef.json", FormatJson(georef));
-  if (!HasName(run.files().staged(), "swaths.json")) {
-    run.AddFile("swaths.json", FormatSwaths(swaths));
-    run.AddFile("swaths.geojson", FormatSwathLayer(swaths, work.frame));
-  }
+  if (!HasSwathFiles(run)) AddSwathFiles(swaths, work.frame, &run);
 }
 
 }  // namespace dn::apps
