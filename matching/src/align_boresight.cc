@@ -24,20 +24,6 @@ struct Line {
   Matrix3d A;
 };
 
-GaussHelmertEnd MakeCoarseEnd(const FlightMatchSource& source, double t_s, const Vector3d& u_s,
-                              const MatchOptions& options) {
-  const MapPose pose = source.PoseAt(t_s);
-  GaussHelmertEnd end;
-  end.t_s = t_s;
-  end.q_mb = pose.q_mb;
-  end.p_mb = pose.p_mb;
-  end.q_mn = Eigen::Quaterniond(source.frame().R_mn(pose.p_mb));
-  end.sigma_ned_m = options.sigma_ned_m;
-  end.sigma_rph_rad = options.sigma_rph_rad;
-  end.u_b = source.mounting().R_bs_nominal * u_s;
-  return end;
-}
-
 GaussHelmertProblem MakeCoarseProblem(const std::vector<CoarsePair>& pairs, double sigma_m,
                                       const MatchOptions& options,
                                       const FlightMatchSource& source) {
@@ -45,8 +31,8 @@ GaussHelmertProblem MakeCoarseProblem(const std::vector<CoarsePair>& pairs, doub
   problem.lever_arm_b_m = source.mounting().lever_arm_b_m;
   problem.boresight_rad = source.mounting().boresight_rad;
   for (const CoarsePair& pair : pairs) {
-    problem.pairs.push_back({MakeCoarseEnd(source, pair.t_i_s, pair.x_i, options),
-                             MakeCoarseEnd(source, pair.t_j_s, pair.x_j, options),
+    problem.pairs.push_back({MakeMatchEnd(source, pair.t_i_s, pair.x_i, options),
+                             MakeMatchEnd(source, pair.t_j_s, pair.x_j, options),
                              sigma_m * sigma_m * Matrix3d::Identity()});
   }
   return problem;
@@ -100,6 +86,20 @@ std::vector<std::size_t> LargestConsensus(const std::vector<Line>& lines, double
 }
 
 }  // namespace
+
+GaussHelmertEnd MakeMatchEnd(const FlightMatchSource& source, double t_s, const Vector3d& u_s,
+                             const MatchOptions& options) {
+  const MapPose pose = source.PoseAt(t_s);
+  GaussHelmertEnd end;
+  end.t_s = t_s;
+  end.q_mb = pose.q_mb;
+  end.p_mb = pose.p_mb;
+  end.q_mn = Eigen::Quaterniond(source.frame().R_mn(pose.p_mb));
+  end.sigma_ned_m = options.sigma_ned_m;
+  end.sigma_rph_rad = options.sigma_rph_rad;
+  end.u_b = source.mounting().R_bs_nominal * u_s;
+  return end;
+}
 
 AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
                             const Vector3d& given_boresight_rad, double tolerance_m,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/fixed_trajectory/gauss_helmert.h>
 #include <dn/matching/match.h>
 
 #include <Eigen/Core>
@@ -21,6 +22,11 @@ struct AlignmentFit {
   std::size_t agreeing = 0;
   double rms_m = 0.0;  ///< of the differences of agreeing pairs, all three axes
 };
+
+/// Returns one end of a pair for a Gauss-Helmert adjustment, with the pose of the source and the
+/// trajectory sigmas of the options. u_s: laser vector in the sensor frame, m.
+GaussHelmertEnd MakeMatchEnd(const FlightMatchSource& source, double t_s,
+                             const Eigen::Vector3d& u_s, const MatchOptions& options);
 
 /// Turns the boresight so that most pairs agree within tolerance_m. The candidates are many
 /// boresights from two random pairs each; the pairs that agree with the best one enter a

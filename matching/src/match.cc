@@ -654,13 +654,16 @@ class FlightMatcher : public Matcher {
   }
 
   std::vector<std::vector<PlantPair>> MakePlantPairs(const MatchResult& result) const {
+    const auto make_end = [&](double t_s, const Vector3d& u_s) {
+      return matching_internal::MakeMatchEnd(source_, t_s, u_s, options());
+    };
     std::vector<std::vector<PlantPair>> all;
     for (const StripPairMatch& match : result.strip_pairs) {
       all.emplace_back();
       for (const MatchedPair& pair : match.pairs) {
         const LidarPair& p = pair.pair;
         all.back().push_back(
-            {{MakeEnd(p.t_i_s, p.u_i_s), MakeEnd(p.t_j_s, p.u_j_s), *p.covariance_m2},
+            {{make_end(p.t_i_s, p.u_i_s), make_end(p.t_j_s, p.u_j_s), *p.covariance_m2},
              match.i,
              match.j,
              pair.volumetric_share,
@@ -669,16 +672,6 @@ class FlightMatcher : public Matcher {
       }
     }
     return all;
-  }
-
-  GaussHelmertEnd MakeEnd(double t_s, const Vector3d& u_s) const {
-    const MapPose pose = source_.PoseAt(t_s);
-    GaussHelmertEnd end;
-    end.t_s = t_s;
-    end.q_mb = pose.q_mb;
-    end.p_mb = pose.p_mb;
-    end.u_b = source_.mounting().R_bs_nominal * u_s;
-    return end;
   }
 
   Vector3d Beam(double t_s, const Vector3d& u_s) const {
