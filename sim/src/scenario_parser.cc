@@ -60,7 +60,7 @@ TurbulenceScenario ReadTurbulence(const YamlValue& s) {
   return t;
 }
 
-/// The name of a strip becomes part of file names, so that only these characters are allowed.
+/// Reads the strips of a replayed trajectory. Their names become parts of file names.
 std::vector<StripInterval> ReadReplayedStrips(const YamlValue& s) {
   if (s["strips"] && !s["replay"])
     s["strips"].Fail("is only allowed with replay; otherwise the lines are the strips");
