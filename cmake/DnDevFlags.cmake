@@ -18,7 +18,8 @@ if(DN_SANITIZE)
     -fsanitize=${DN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     # These checks cost a quarter of the compile time. They find only errors that the address
     # sanitizer also finds or that x86 permits.
-    -fno-sanitize=null,alignment,object-size)
+    -fno-sanitize=null,alignment,object-size
+    $<$<CXX_COMPILER_ID:Clang>:-fsanitize-ignorelist=${CMAKE_CURRENT_LIST_DIR}/undefined_behaviour_ignore.txt>)
   target_link_options(dn_dev_flags INTERFACE -fsanitize=${DN_SANITIZE})
   # The default linker takes a twentieth of the whole build.
   find_program(DN_LLD ld.lld)

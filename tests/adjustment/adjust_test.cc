@@ -91,7 +91,7 @@ TEST(Adjust, WrongPairsAreRejected) {
   EXPECT_NEAR(figures.chi2 / n, 1.0, kSigmas * std::sqrt(2.0 / n));
 }
 
-TEST(Adjust, TwoRunsGiveIdenticalNumbers) {
+TEST(AdjustManyRuns, TwoRunsGiveIdenticalNumbers) {
   const SimulatedFlight sim = Fly(DroneScenario(), 6);
   const Calibration a(sim.flight), b(sim.flight);
   EXPECT_EQ(a.boresight.angles_rad, b.boresight.angles_rad);

@@ -37,7 +37,7 @@ bool RestateGaussMarkov(const ProcessChain& chain, Network* net) {
 
 // The processes of gyros, accelerometers and GNSS, stated again by the user, give the same flight:
 // estimates, covariances and tests.
-TEST(OwnProcess, TheSameProcessGivesTheSameAdjustment) {
+TEST(OwnProcessManyRuns, TheSameProcessGivesTheSameAdjustment) {
   const SimulatedFlight sim = FlightWithGnssErrors();
   const Calibration plain(sim.flight);
 

@@ -112,7 +112,7 @@ Adjustment AdjustSpoilt(Flight flight, const std::function<void(FlightNetwork&)>
 
 // By default, data are rejected with larger node spacing. If customise_before_lidar is set, they
 // are rejected at the inertial rate.
-TEST(RawInertial, IsTheSameWhereItIsTakenLast) {
+TEST(RawInertialManyRuns, IsTheSameWhereItIsTakenLast) {
   constexpr double kSame = 1e-4;  // in sigmas; the solutions converge to steps of 1e-3
   // Relative tolerance: half the square of the last step, 1e-3 sigma, divided by a cost of some
   // hundred.

@@ -30,14 +30,14 @@ std::map<std::string, NoiseSize> ByName(const NoiseSizes& noise) {
 }
 
 // The unknown unit is assumed to be a thousand times worse than one of the two true ones.
-class UnknownNoise : public ::testing::TestWithParam<bool> {
+class UnknownNoiseManyRuns : public ::testing::TestWithParam<bool> {
  protected:
   static Scenario MakeScenario() {
     return GetParam() ? testing::AircraftScenario() : testing::DroneScenario();
   }
 };
 
-TEST_P(UnknownNoise, IsFoundFromTheData) {
+TEST_P(UnknownNoiseManyRuns, IsFoundFromTheData) {
   SimulatedFlight sim = FlyUnknown(MakeScenario(), 3);
   const NoiseSizes noise = EstimateNoise({}, &sim.flight);
   EXPECT_TRUE(noise.converged);
@@ -51,7 +51,7 @@ TEST_P(UnknownNoise, IsFoundFromTheData) {
   EXPECT_DOUBLE_EQ(sim.flight.config.imu->model.gyro.white, gyro_si);
 }
 
-TEST_P(UnknownNoise, GivesTheBoresightAnHonestSigma) {
+TEST_P(UnknownNoiseManyRuns, GivesTheBoresightAnHonestSigma) {
   SimulatedFlight sim = FlyUnknown(MakeScenario(), 3);
   const Solution assumed(sim.flight);
   EstimateNoise({}, &sim.flight);
@@ -64,11 +64,11 @@ TEST_P(UnknownNoise, GivesTheBoresightAnHonestSigma) {
       (boresight.sigma_rad().array() < assumed.CheckedBoresight().sigma_rad().array()).all());
 }
 
-INSTANTIATE_TEST_SUITE_P(Flights, UnknownNoise, ::testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Flights, UnknownNoiseManyRuns, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "Aircraft" : "Drone"; });
 
 // GNSS positions that are worse than stated are found, and figures of a data sheet are a start.
-TEST(UnknownNoise, GnssSigmasGrowAndStatedFiguresAreTheStart) {
+TEST(NoiseFromData, GnssSigmasGrowAndStatedFiguresAreTheStart) {
   SimulatedFlight sim =
       FlyUnknown(testing::DroneScenario("effects: [{effect: gnss_noise_scale, value: 2}]\n"), 3);
   sim.flight.config.imu->model.gyro.white = RadPerSqrtSFromDegPerSqrtHour(0.5);
@@ -78,7 +78,7 @@ TEST(UnknownNoise, GnssSigmasGrowAndStatedFiguresAreTheStart) {
 }
 
 // Larger noise would hide the contradiction, and give a wrong clock with a small sigma.
-TEST(UnknownNoise, TagsThatAreSecondsLateAreRefusedWithTheirValue) {
+TEST(NoiseFromData, TagsThatAreSecondsLateAreRefusedWithTheirValue) {
   SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);
   for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) epoch.t_s += 10.0;
   try {
@@ -92,14 +92,14 @@ TEST(UnknownNoise, TagsThatAreSecondsLateAreRefusedWithTheirValue) {
   }
 }
 
-TEST(UnknownNoise, PairsThatAreSecondsLateAreRefusedWithTheirValue) {
+TEST(NoiseFromData, PairsThatAreSecondsLateAreRefusedWithTheirValue) {
   const SimulatedFlight sim = testing::Fly(
       testing::DroneScenario("effects: [{effect: lidar_time_offset, value: 10}]\n"), 3);
   testing::ExpectInvalid([&] { Adjust(sim.flight, {}); }, "10 s late", 0);
 }
 
 // With the stated noise, the sensors contradict each other. Here this does not end the work.
-TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
+TEST(NoiseFromDataManyRuns, SensorsThatContradictEachOtherAreTriedWithMore) {
   SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
   sim.flight.config.imu->grade = kUnknownGrade;
   double sign = 1.0;
@@ -111,7 +111,7 @@ TEST(UnknownNoise, SensorsThatContradictEachOtherAreTriedWithMore) {
 }
 
 // Taken for noise, this clock makes the gyros several times noisier.
-TEST(UnknownNoise, AClockErrorIsNoNoise) {
+TEST(NoiseFromDataManyRuns, AClockErrorIsNoNoise) {
   SimulatedFlight sim =
       FlyUnknown(testing::DroneScenario("effects: [{effect: gnss_time_offset, value: 0.05}, "
                                         "{effect: gnss_time_drift, value: 200}]\n"),
@@ -127,7 +127,7 @@ TEST(UnknownNoise, AClockErrorIsNoNoise) {
 }
 
 // The accelerometers of this flight show nothing of their white noise.
-TEST(UnknownNoise, MayBeTenTimesTheStatedOne) {
+TEST(NoiseFromDataManyRuns, MayBeTenTimesTheStatedOne) {
   SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
   ImuModel& stated = sim.flight.config.imu->model;
   const double truth = stated.gyro.white;
@@ -137,7 +137,7 @@ TEST(UnknownNoise, MayBeTenTimesTheStatedOne) {
 }
 
 // Outliers that the start sizes hide show once the sizes have been found.
-TEST(UnknownNoise, OutliersAreNoNoiseAndTheFlightIsAlignedOnce) {
+TEST(NoiseFromDataManyRuns, OutliersAreNoNoiseAndTheFlightIsAlignedOnce) {
   SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);
   std::vector<MapGnssEpoch>& epochs = sim.flight.gnss->epochs;
   for (std::size_t k = 20; k < epochs.size(); k += 60) epochs[k].p_m.y() += 0.3;
@@ -152,7 +152,7 @@ TEST(UnknownNoise, OutliersAreNoNoiseAndTheFlightIsAlignedOnce) {
   EXPECT_EQ(alignments, 1);
 }
 
-TEST(UnknownNoise, IsThatOfFlightsWithoutDataSheet) {
+TEST(NoiseFromData, IsThatOfFlightsWithoutDataSheet) {
   SimulatedFlight sim = testing::Fly(testing::DroneScenario(), 3);
   EXPECT_FALSE(HasUnknownNoise(sim.flight.config));
   sim.flight.config.imu->grade = kUnknownGrade;

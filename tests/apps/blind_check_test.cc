@@ -174,7 +174,7 @@ ProgramOptions TwoAtATime(const fs::path& out) {
   return options;
 }
 
-TEST(BlindCheckUsage, AKilledCheckLeavesNothingStaged) {
+TEST(BlindCheckUsageManyRuns, AKilledCheckLeavesNothingStaged) {
   const TempFolder folder;
   ProgramOptions options = TwoAtATime(folder.path() / "out");
   options.signal = SIGKILL;

@@ -39,7 +39,7 @@ TEST(CliEnvironment, ErrorsThatNobodyCanReadLoseNoResult) {
   }
 }
 
-TEST(CliEnvironment, ClosedStreamsLoseNoResult) {
+TEST(CliEnvironmentManyRuns, ClosedStreamsLoseNoResult) {
   const std::vector<std::pair<std::vector<int>, int>> cases{{{STDERR_FILENO}, 0},
                                                             {{STDIN_FILENO, STDERR_FILENO}, 0},
                                                             {{STDOUT_FILENO}, 1},
@@ -87,7 +87,7 @@ TEST(CliEnvironment, OneThreadIsOneThread) {
   EXPECT_EQ(threads, 1U);
 }
 
-TEST(CliEnvironment, ThreadsThatCannotBeStartedAreDoneWithout) {
+TEST(CliEnvironmentManyRuns, ThreadsThatCannotBeStartedAreDoneWithout) {
   for (const long threads : {0L, 1L, 2L}) {
     SCOPED_TRACE(threads);
     const TempFolder folder;

@@ -95,7 +95,7 @@ TEST(CliInterruption, ASecondSignalEndsAtOnce) {
   EXPECT_FALSE(gnuplot.Runs());
 }
 
-TEST(CliInterruption, EndsASimulation) {
+TEST(CliInterruptionManyRuns, EndsASimulation) {
   for (const char* stage : {"trajectory", "imu", "writing"}) {
     SCOPED_TRACE(stage);
     const TempFolder folder;

@@ -174,7 +174,7 @@ TEST_F(MatchingManyRuns, OneCommandLeadsFromStripsToCorrectedStrips) {
   }
 }
 
-TEST_F(Matching, PlanesAreFoundFromFarOff) {
+TEST_F(MatchingManyRuns, PlanesAreFoundFromFarOff) {
   const std::string terrain =
       "terrain={kind: built_up, roughness_m: 0.01, relief_m: 40, wavelength_m: 250, "
       "buildings_per_km2: 800, seed: 3}";

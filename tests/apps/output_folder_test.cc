@@ -33,7 +33,7 @@ void ExpectRefused(const std::vector<std::string>& arguments, const fs::path& un
   EXPECT_EQ(FolderContents(untouched), before);
 }
 
-TEST(CliOutputFolder, IsNeverTheFlightFolder) {
+TEST(CliOutputFolderManyRuns, IsNeverTheFlightFolder) {
   const DamagedFlight flight;
   const TempFolder links;
   fs::create_directory_symlink(flight.path(), links.path() / "link");
@@ -107,7 +107,7 @@ TEST(CliOutputFolder, AReportCannotNameFilesElsewhere) {
   EXPECT_EQ(FileContent(folder.path() / "outside.txt"), "of the user");
 }
 
-TEST(CliOutputFolder, ADamagedReportIsIgnored) {
+TEST(CliOutputFolderManyRuns, ADamagedReportIsIgnored) {
   const std::string nested = std::string(150'000, '[') + std::string(150'000, ']');
   const std::string reports[] = {
       "",

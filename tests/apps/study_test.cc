@@ -45,7 +45,7 @@ TEST(CliStudy, OfAScenarioWritesWhatTheContractNames) {
   }
 }
 
-TEST(CliStudy, OfAFlightAgreesWithItsCalibration) {
+TEST(CliStudyManyRuns, OfAFlightAgreesWithItsCalibration) {
   const TempFolder folder;
   const fs::path out = folder.path() / "study";
   const ProgramRun run = RunProgram({"study", ShortFlight(), "--out", out});
@@ -60,7 +60,7 @@ TEST(CliStudy, OfAFlightAgreesWithItsCalibration) {
   EXPECT_TRUE(study["weak_directions"][0]["sigma_after_remedy"].is_null());
 }
 
-TEST(CliStudy, SizesOfEffectsAreThoseOfTheDiagnosis) {
+TEST(CliStudyManyRuns, SizesOfEffectsAreThoseOfTheDiagnosis) {
   const TempFolder folder;
   const fs::path out = folder.path() / "study", limits = folder.path() / "limits";
   // The turbulence of the flight was simulated with this seed.
@@ -131,7 +131,7 @@ ProgramRun SweepShard(const fs::path& file, const std::string& shard, const fs::
   return RunProgram({"study", "--sweep", file, "--shard", shard, "--threads", "1", "--out", out});
 }
 
-TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
+TEST(CliStudyManyRuns, MergedShardsOfASweepAreTheBytesOfOneRun) {
   const TempFolder folder;
   folder.Write("short.yaml", FileContent(ShortScenario()));
   folder.Write("sweep.yaml",
@@ -165,7 +165,7 @@ TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
   EXPECT_EQ(RunProgram({"merge", one, "--out", folder.path() / "part"}).exit_code, 2);
 }
 
-TEST(CliStudy, ChoosesTheLinesOfThePlan) {
+TEST(CliStudyManyRuns, ChoosesTheLinesOfThePlan) {
   const TempFolder folder;
   folder.Write("short.yaml", FileContent(ShortScenario()));
   const std::string lines =

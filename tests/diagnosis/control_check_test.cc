@@ -58,7 +58,7 @@ double HeightSigma(const SimulatedFlight& sim, const Solution& solution) {
 
 // The GNSS positions have a common error of about 8 cm. Ten points with a noise of 2.6 cm each
 // bring the height to 1 cm.
-TEST(ControlCheck, TenPointsBringTheHeightToTheirSigma) {
+TEST(ControlCheckManyRuns, TenPointsBringTheHeightToTheirSigma) {
   Scenario scenario = DroneScenario(kTenPoints);
   scenario.gnss.processes.push_back({Eigen::Vector3d(0.05, 0.05, 0.08), 3000.0});
   double worst_with_m = 0.0, worst_without_m = 0.0;

@@ -82,7 +82,7 @@ TEST(InertialNoiseManyRuns, ShakingIsMotionAndNoNoise) {
   }
 }
 
-TEST(InertialNoise, SensorNoiseThatMovesTheResultIsFound) {
+TEST(InertialNoiseManyRuns, SensorNoiseThatMovesTheResultIsFound) {
   for (const char* name : {"gyro_noise_scale", "accel_noise_scale"}) {
     SCOPED_TRACE(name);
     const Flight flight = Shaken({}, "effects: [{effect: " + std::string(name) + ", value: 3}]");

@@ -102,7 +102,7 @@ TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
   EXPECT_GT(moved_rad.cwiseQuotient(without.boresight().sigma_rad()).cwiseAbs().maxCoeff(), 0.9);
 }
 
-TEST(ModelCheck, UndetectableEffectsDoNotDependOnTheData) {
+TEST(ModelCheckManyRuns, UndetectableEffectsDoNotDependOnTheData) {
   const Checked one(Fly(AircraftScenario(), 3));
   for (std::size_t k = 1; k < one.check.undetectable.size(); ++k) {
     EXPECT_GE(one.check.undetectable[k - 1].max_shift_sigmas,

@@ -62,7 +62,7 @@ TEST(NoiseBeyondModel, ClustersDivideAllRowsOfPairs) {
   EXPECT_GT(forms[0].labels, forms[1].labels);
 }
 
-TEST(NoiseBeyondModel, SharedErrorsOfPairsAreInTheSigma) {
+TEST(NoiseBeyondModelManyRuns, SharedErrorsOfPairsAreInTheSigma) {
   double reported = 0.0, modelled = 0.0;
   constexpr int kFlights = 15;
   for (unsigned seed = 1; seed <= kFlights; ++seed) {
@@ -104,7 +104,7 @@ TEST(NoiseBeyondModel, NoiseOfAnotherSizeIsInTheSigma) {
 }
 
 // The largest tolerated variance is that of the noise: the ratio of a group or axis is often above.
-TEST(NoiseBeyondModel, ToleratedNoiseDoesNotContradictByChance) {
+TEST(NoiseBeyondModelManyRuns, ToleratedNoiseDoesNotContradictByChance) {
   const std::string effect = "effects: [{effect: p2p_noise_scale, value: 1.4}]\n";
   int above = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {

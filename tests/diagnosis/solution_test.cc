@@ -17,7 +17,7 @@ SimulatedFlight FlyWithEffects(const std::string& effects = "") {
   return Simulate(testing::DroneScenario(effects), options);
 }
 
-TEST(Solution, EqualsItsPartsOneByOne) {
+TEST(SolutionManyRuns, EqualsItsPartsOneByOne) {
   const SimulatedFlight sim = FlyWithEffects();
   const Solution solution(sim.flight);
   const Adjustment& adjustment = solution.adjustment();

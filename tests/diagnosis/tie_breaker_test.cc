@@ -70,7 +70,7 @@ Flight TwoParallelStrips() {
   return Simulate(scenario, {}).flight;
 }
 
-TEST(ProposeTieBreaker, RangesFromAnotherHeightTellAnOffsetFromAScale) {
+TEST(ProposeTieBreakerManyRuns, RangesFromAnotherHeightTellAnOffsetFromAScale) {
   const Flight flight = TwoParallelStrips();
   Tie tie{Cause("lidar_range_offset"), {"lidar_range_scale"}};
   tie.named.estimate = Eigen::VectorXd::Constant(1, 0.2);

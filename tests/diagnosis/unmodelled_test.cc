@@ -162,7 +162,7 @@ std::vector<EstimateEntry> EstimateAll(const UnmodelledPrior& prior) {
   return entries;
 }
 
-TEST(Unmodelled, OneInverseGivesWhatAnAdjustmentWithAllEffectsGives) {
+TEST(UnmodelledManyRuns, OneInverseGivesWhatAnAdjustmentWithAllEffectsGives) {
   const UnmodelledPrior prior(SensorClass::kNavigation);
   Scenario scenario = testing::AircraftScenario();
   scenario.effects = DrawEffects(prior, 1.0, 3);
@@ -193,7 +193,7 @@ const EffectContribution* FindProcess(const BoresightResult& boresight) {
 }
 
 // States of the network with the true size and time constant give nearly what the data give.
-TEST(AutomaticGnssProcess, EqualsAStatedProcessIfTheDataShowItsSize) {
+TEST(AutomaticGnssProcessManyRuns, EqualsAStatedProcessIfTheDataShowItsSize) {
   SimulatedFlight sim = testing::Fly(testing::AircraftScenario(kWanderingGnss), 3);
   const BoresightResult automatic = Solution(sim.flight).CheckedBoresight();
   ASSERT_NE(FindProcess(automatic), nullptr);
@@ -297,7 +297,7 @@ TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {
 
 // An effect that is left out with its prior is, to first order, an unknown of the adjustment with
 // that prior: the biases and the poses at the nodes are the same.
-TEST(Unmodelled, BiasesAndPosesAreThoseOfAnAdjustmentWithTheEffectAsUnknown) {
+TEST(UnmodelledManyRuns, BiasesAndPosesAreThoseOfAnAdjustmentWithTheEffectAsUnknown) {
   constexpr double kPriorPpm = 100.0;
   SimulatedFlight sim =
       testing::Fly(testing::AircraftScenario(

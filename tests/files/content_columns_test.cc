@@ -206,11 +206,18 @@ TEST(ContentColumns, TheAntimeridianAndThePole) {
     return Row{t, lat, lon < 0 ? lon + 360.0 : lon, h};
   };
   EXPECT_EQ(Inspect(Positions(full, 51.0, 0.0)).kind, FileKind::kGnss);
+  EXPECT_EQ(Inspect(Positions(full, -16.85, 180.0)).kind, FileKind::kGnss);
   const auto polar = [](double t, double lat, double lon, double h) {
     const double north = 90.0 - lat;  // over the pole and on
     return Row{t, 90.0 - std::abs(north), north > 0 ? lon : lon - 180.0, h};
   };
   EXPECT_EQ(Inspect(Positions(polar, 89.98, 100.0)).kind, FileKind::kGnss);
+  const auto south = [&](double t, double lat, double lon, double h) {
+    Row mirrored = polar(t, lat, lon, h);
+    mirrored[1] = -mirrored[1];
+    return mirrored;
+  };
+  EXPECT_EQ(Inspect(Positions(south, 89.98, 100.0)).kind, FileKind::kGnss);
 }
 
 TEST(ContentColumns, LongitudeBeforeLatitude) {

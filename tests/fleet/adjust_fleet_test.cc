@@ -68,7 +68,7 @@ TEST(AdjustFleet, AveragesWhatFlightsDoNotShare) {
   }
 }
 
-TEST(AdjustFleet, HasCorrectCovariances) {
+TEST(AdjustFleetManyRuns, HasCorrectCovariances) {
   constexpr int kFleets = 300;
   double nees = 0.0, modelled = 0.0;
   for (int k = 0; k < kFleets; ++k) {
@@ -84,7 +84,7 @@ TEST(AdjustFleet, HasCorrectCovariances) {
   EXPECT_GT(modelled, nees);  // the pure model leaves the shared effects out
 }
 
-TEST(AdjustFleet, RaisesFewFalseAlarms) {
+TEST(AdjustFleetManyRuns, RaisesFewFalseAlarms) {
   constexpr int kFleets = 200;
   int alarms = 0;
   for (int k = 0; k < kFleets; ++k) {

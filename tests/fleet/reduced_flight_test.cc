@@ -53,7 +53,7 @@ TEST(ReducedFlight, HasTheReportedCovariances) {
   }
 }
 
-TEST(ReducedFlight, TwoOfThePureModelEqualOneNetwork) {
+TEST(ReducedFlightManyRuns, TwoOfThePureModelEqualOneNetwork) {
   const Solved monday(3, "none"), tuesday(4, "none");
   Network both;
   const std::vector<std::string> shared{"boresight", "lidar_range_offset"};

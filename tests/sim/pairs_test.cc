@@ -267,9 +267,9 @@ struct Band {
   std::size_t strip_pairs;
 };
 
-class ShippedScenario : public ::testing::TestWithParam<Band> {};
+class ShippedScenarioManyRuns : public ::testing::TestWithParam<Band> {};
 
-TEST_P(ShippedScenario, FliesAtItsHeightWithPairsInEveryOverlap) {
+TEST_P(ShippedScenarioManyRuns, FliesAtItsHeightWithPairsInEveryOverlap) {
   Scenario scenario = ReadScenario(GetParam().name);
   scenario.imu.rate_hz = 10.0;  // path and pairs do not depend on this rate
   const SimulatedFlight flight = Simulate(scenario, {});
@@ -289,7 +289,7 @@ TEST_P(ShippedScenario, FliesAtItsHeightWithPairsInEveryOverlap) {
   EXPECT_EQ(static_cast<long>(flight.flight.pairs->pairs.size()), scenario.pairs.count);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
+INSTANTIATE_TEST_SUITE_P(All, ShippedScenarioManyRuns,
                          ::testing::Values(Band{"leg2", 100, 200, 1}, Band{"leg4", 100, 200, 6},
                                            Band{"lar2", 150, 250, 1}, Band{"lar3", 150, 250, 3},
                                            Band{"uav2", 150, 250, 1}, Band{"uav3", 150, 250, 3},
