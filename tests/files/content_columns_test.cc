@@ -196,6 +196,20 @@ TEST(ContentColumns, GnssByItsHeader) {
   EXPECT_THAT(sea.why, HasSubstr("above the sea"));
 }
 
+// A file of millions of such lines once took gigabytes.
+TEST(ContentColumns, TheSearchForTheFirstRowEnds) {
+  std::string text;
+  for (int i = 0; i < 12000; ++i) text += "1,2\n";
+  text += Positions(
+      [](double t, double lat, double lon, double h) {
+        return Row{t, lat, lon, h};
+      },
+      46.5, 6.5, ",");
+  const FileContent content = Inspect(text);
+  EXPECT_EQ(content.kind, FileKind::kUnknown) << content.why;
+  EXPECT_THAT(content.why, HasSubstr("2 columns"));
+}
+
 TEST(ContentColumns, TheAntimeridianAndThePole) {
   const auto row = [](double t, double lat, double lon, double h) {
     return Row{t, lat, std::remainder(lon, 360.0), h};

@@ -16,6 +16,8 @@ namespace {
 using Fields = std::vector<std::string_view>;
 
 constexpr std::size_t kLeastColumns = 4;
+// A file with more lines before its first row is no table.
+constexpr std::size_t kMostHeaderLines = 10000;
 
 bool BeginsWithNumber(const Fields& fields) {
   return fields.size() > 1 && (FieldNumber(fields[0]) || FieldNumber(fields[1]));
@@ -126,6 +128,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
     if (comment || !IsRow(fields)) {
       if (BeginsWithNumber(fields)) most_fields = std::max(most_fields, fields.size());
       if (table.columns == 0) {
+        if (headers.size() > 2 * kMostHeaderLines) break;
         headers.push_back(Names(fields));
         headers.push_back(Names(SplitWide(text)));
       }
