@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "beam_number.h"
 #include "chunk_points.h"
 #include "las_writer.h"
 #include "laser_vector.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr double kAdjustedOriginS = 1e9;
 // Largest accepted adjusted time; it corresponds to the year 2100.
 constexpr double kMostAdjustedS = 2.8e9;
+constexpr int kLastIntegerType = 8;  // of the types of extra bytes, from 1
 constexpr std::uint64_t kChunkBytes = std::uint64_t{8} << 20;
 
 std::string DescribePoint(std::uint64_t index) { return "point " + std::to_string(index + 1); }
@@ -35,6 +37,8 @@ LasReader::LasReader(const std::filesystem::path& file)
     return each != nullptr && each->type >= 1 && each->type <= 10;
   };
   if (std::all_of(vector.begin(), vector.end(), is_number)) vector_ = vector;
+  const ExtraDimension* beam = las_.Find("beam");
+  if (beam != nullptr && beam->type >= 1 && beam->type <= kLastIntegerType) beam_ = beam;
 }
 
 bool LasReader::Next(StripCloud* chunk) {
@@ -91,6 +95,7 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
   chunk->classification.push_back(PointClass(las_, record));
   chunk->flags.push_back(PointFlags(las_, record));
   if (las_.time_at) chunk->t_s.push_back(Time(index, record));
+  if (beam_ != nullptr) chunk->beam.push_back(Beam(index, record));
   if (!has_vectors()) return;
   const Eigen::Vector3d u_s(BlockValue(*vector_[0], record), BlockValue(*vector_[1], record),
                             BlockValue(*vector_[2], record));
@@ -100,6 +105,16 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
     throw InvalidInput(DescribePoint(index) + ": " + e.what(), Where());
   }
   chunk->u_s.push_back(u_s);
+}
+
+std::uint16_t LasReader::Beam(std::uint64_t index, const char* record) const {
+  try {
+    return CheckedBeam(BlockValue(*beam_, record), Where());
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(DescribePoint(index) + ": " + e.what() +
+                           ", or rename the extra bytes `beam` if they mean something else",
+                       Where());
+  }
 }
 
 double LasReader::Time(std::uint64_t index, const char* record) {

@@ -28,11 +28,13 @@ class LasReader final : public StripReader {
   void ReadPlain(std::string* records);
   void ReadCompressed(std::uint64_t count, std::string* records);
   void Decode(std::uint64_t index, const char* record, StripCloud* chunk);
+  std::uint16_t Beam(std::uint64_t index, const char* record) const;
   double Time(std::uint64_t index, const char* record);
   FileLocation Where() const { return {las_.path.string()}; }
 
   LasFile las_;
   std::array<const ExtraDimension*, 3> vector_{};  ///< ux, uy, uz
+  const ExtraDimension* beam_ = nullptr;
   std::ifstream in_;
   std::optional<laz::PointReader> compressed_;
   std::uint64_t read_ = 0;

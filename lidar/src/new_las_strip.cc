@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 375, kFormat = 6, kFormatBytes = 30;
 constexpr std::size_t kSourceAt = 20, kTimeAt = 22, kVectorAt = kFormatBytes;
-constexpr std::size_t kRecordBytes = kVectorAt + 3 * sizeof(double);
-constexpr int kDouble = 10;
+constexpr std::size_t kBeamAt = kVectorAt + 3 * sizeof(double);
+constexpr int kUnsignedShort = 3, kDouble = 10;
 constexpr std::uint16_t kWktEncoding = 16;  // required by point format 6; time: seconds of week
 
 /// Returns the byte with the number of a return and the number of returns of its pulse.
@@ -22,11 +22,16 @@ char ReturnByte(const StripCloud& points, std::size_t i) {
   return static_cast<char>(number | (number + after) << 4);
 }
 
-std::string DescribeVector() {
+std::size_t RecordBytes(bool with_beam) {
+  return kBeamAt + (with_beam ? sizeof(std::uint16_t) : 0);
+}
+
+std::string DescribeExtraBytes(bool with_beam) {
   std::string descriptors;
   for (const char* name : {"ux", "uy", "uz"}) {
     descriptors += FormatDescriptor(kDouble, 0, name, "laser vector in sensor frame, m");
   }
+  if (with_beam) descriptors += FormatDescriptor(kUnsignedShort, 0, "beam", "laser beam, from 0");
   return FormatExtraBytes(descriptors);
 }
 
@@ -48,14 +53,14 @@ std::string Header(const LasGrid& grid) {
 }
 
 /// Returns the description of a file without points; nothing is written to disk.
-LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
+LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid, bool with_beam) {
   LasFile las;
   las.path = path;
-  las.head = Header(grid) + DescribeVector();
+  las.head = Header(grid) + DescribeExtraBytes(with_beam);
   las.minor = 4;
   las.format = static_cast<int>(kFormat);
   las.header_bytes = kHeaderBytes;
-  las.record_bytes = las.described_bytes = kRecordBytes;
+  las.record_bytes = las.described_bytes = RecordBytes(with_beam);
   las.file_bytes = las.points_begin = las.tail_begin = las.head.size();
   las.scale.setConstant(grid.scale_m);
   las.offset = grid.offset_m;
@@ -67,16 +72,20 @@ LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
 /// Builds the LAS records of points that do not come from a LAS file.
 class NewLasWriter final : public StripWriter {
  public:
-  NewLasWriter(const std::filesystem::path& file, const LasGrid& grid)
-      : writer_(file, EmptyFile(file, grid), {}) {
-    points_.record_bytes = kRecordBytes;
+  NewLasWriter(const std::filesystem::path& file, const LasGrid& grid, bool with_beam)
+      : writer_(file, EmptyFile(file, grid, with_beam), {}), with_beam_(with_beam) {
+    points_.record_bytes = RecordBytes(with_beam);
   }
 
   void Append(const StripCloud& points) override {
     points_.p_c = points.p_c;
-    points_.records.assign(points.size() * kRecordBytes, '\0');
+    const std::size_t bytes = points_.record_bytes;
+    points_.records.assign(points.size() * bytes, '\0');
     for (std::size_t i = 0; i < points.size(); ++i) {
-      StoreRecord(points, i, points_.records.data() + i * kRecordBytes);
+      StoreRecord(points, i, points_.records.data() + i * bytes);
+      if (with_beam_) {
+        StoreLittleEndian(points.beam[i], points_.records.data() + i * bytes + kBeamAt);
+      }
     }
     writer_.Append(points_);
   }
@@ -102,6 +111,7 @@ class NewLasWriter final : public StripWriter {
   }
 
   LasWriter writer_;
+  bool with_beam_;
   StripCloud points_;
 };
 
@@ -110,8 +120,9 @@ class NewLasWriter final : public StripWriter {
 
 namespace dn {
 
-std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid) {
-  return std::make_unique<lidar_internal::NewLasWriter>(file, grid);
+std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid,
+                                         bool with_beam) {
+  return std::make_unique<lidar_internal::NewLasWriter>(file, grid, with_beam);
 }
 
 }  // namespace dn

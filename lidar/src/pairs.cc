@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "beam_number.h"
 #include "glob.h"
 #include "laser_vector.h"
 #include "text_rows.h"
@@ -14,12 +15,14 @@
 namespace dn {
 namespace {
 
+using lidar_internal::AppendInteger;
 using lidar_internal::AppendNumbers;
 using lidar_internal::AppendUpperTriangle;
 using lidar_internal::FromUpperTriangle;
 
 constexpr std::size_t kPairColumns = 8;
 constexpr std::size_t kPairColumnsWithCovariance = 14;
+constexpr std::size_t kBeamColumns = 2;
 constexpr double kLeastVarianceM2 = 1e-12;
 constexpr double kMostVarianceM2 = 1e12;
 
@@ -44,6 +47,11 @@ void CheckTime(double t_s, const FileLocation& where) {
   if (!IsWeekSeconds(t_s)) CheckWeekSeconds(t_s, where);
 }
 
+bool HasBeams(std::size_t columns) {
+  return columns == kPairColumns + kBeamColumns ||
+         columns == kPairColumnsWithCovariance + kBeamColumns;
+}
+
 LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLocation& where) {
   LidarPair pair;
   pair.t_i_s = row[0];
@@ -56,8 +64,12 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   CheckTime(pair.t_j_s, where);
   lidar_internal::CheckLaserVector(pair.u_i_s, where);
   lidar_internal::CheckLaserVector(pair.u_j_s, where);
-  if (columns == kPairColumnsWithCovariance) {
+  if (columns >= kPairColumnsWithCovariance) {
     pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPairColumns), where);
+  }
+  if (HasBeams(columns)) {
+    pair.beam_i = lidar_internal::CheckedPairBeam(row[columns - 2], where);
+    pair.beam_j = lidar_internal::CheckedPairBeam(row[columns - 1], where);
   }
   return pair;
 }
@@ -79,7 +91,9 @@ VectorOrigin ReadOrigin(const std::filesystem::path& path) {
 }
 
 void AppendFile(const std::filesystem::path& path, double time_offset_s, PairData& data) {
-  TextTable table = ReadTextTable(path, {kPairColumns, kPairColumnsWithCovariance});
+  TextTable table =
+      ReadTextTable(path, {kPairColumns, kPairColumns + kBeamColumns, kPairColumnsWithCovariance,
+                           kPairColumnsWithCovariance + kBeamColumns});
   const int file = static_cast<int>(data.files.size());
   data.files.push_back(path);
   data.origins.push_back(ReadOrigin(path));
@@ -155,6 +169,8 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
 std::string FormatPairs(const std::vector<LidarPair>& pairs, const VectorOrigin& origin) {
   std::string text = FormatOriginLine(origin);
   std::string line;
+  const bool with_beams = std::any_of(pairs.begin(), pairs.end(),
+                                      [](const LidarPair& pair) { return pair.has_beams(); });
   for (const LidarPair& pair : pairs) {
     line.clear();
     AppendNumbers(&pair.t_i_s, 1, line);
@@ -162,6 +178,10 @@ std::string FormatPairs(const std::vector<LidarPair>& pairs, const VectorOrigin&
     AppendNumbers(pair.u_i_s.data(), 3, line);
     AppendNumbers(pair.u_j_s.data(), 3, line);
     if (pair.covariance_m2) AppendUpperTriangle(*pair.covariance_m2, line);
+    if (with_beams) {
+      AppendInteger(pair.beam_i, line);
+      AppendInteger(pair.beam_j, line);
+    }
     text += line;
     text += '\n';
   }

@@ -40,6 +40,7 @@ void StripCloud::Drop(const std::vector<bool>& drop) {
   DropFrom(drop, &returns_after);
   DropFrom(drop, &classification);
   DropFrom(drop, &flags);
+  DropFrom(drop, &beam);
   DropFrom(drop, &covariance_c_m2);
   DropRecords(drop, record_bytes, &records);
 }

@@ -2,6 +2,7 @@
 
 #include <dn/geo/week_seconds.h>
 
+#include "beam_number.h"
 #include "chunk_points.h"
 #include "laser_vector.h"
 #include "text_rows.h"
@@ -14,6 +15,10 @@ constexpr std::size_t kStripColumnsWithCovariance = 13;
 // Coordinates of all systems in use are smaller than this.
 constexpr double kMostCoordinateM = 3e7;
 
+bool HasBeam(std::size_t columns) {
+  return columns == kStripColumns + 1 || columns == kStripColumnsWithCovariance + 1;
+}
+
 Eigen::Vector3d Coordinates(const double* row, const FileLocation& where) {
   const Eigen::Vector3d p_c(row[1], row[2], row[3]);
   if (p_c.cwiseAbs().maxCoeff() <= kMostCoordinateM) return p_c;
@@ -23,7 +28,8 @@ Eigen::Vector3d Coordinates(const double* row, const FileLocation& where) {
 }  // namespace
 
 StripTextReader::StripTextReader(const std::filesystem::path& file)
-    : table_(file, {kStripColumns, kStripColumnsWithCovariance}) {}
+    : table_(file, {kStripColumns, kStripColumns + 1, kStripColumnsWithCovariance,
+                    kStripColumnsWithCovariance + 1}) {}
 
 bool StripTextReader::Next(StripCloud* chunk) {
   chunk->Clear();
@@ -38,8 +44,11 @@ bool StripTextReader::Next(StripCloud* chunk) {
     chunk->p_c.push_back(Coordinates(row, where));
     chunk->u_s.emplace_back(row[4], row[5], row[6]);
     CheckLaserVector(chunk->u_s.back(), where);
-    if (table.columns == kStripColumnsWithCovariance) {
+    if (table.columns >= kStripColumnsWithCovariance) {
       chunk->covariance_c_m2.push_back(FromUpperTriangle(row + kStripColumns));
+    }
+    if (HasBeam(table.columns)) {
+      chunk->beam.push_back(CheckedBeam(row[table.columns - 1], where));
     }
   }
   return true;
@@ -59,6 +68,7 @@ void StripTextWriter::Append(const StripCloud& points) {
     AppendNumbers(points.p_c[i].data(), 3, line);
     AppendNumbers(points.u_s[i].data(), 3, line);
     if (with_covariance_) AppendUpperTriangle(points.covariance_c_m2[i], line);
+    if (!points.beam.empty()) AppendInteger(points.beam[i], line);
     text += line;
     text += '\n';
   }

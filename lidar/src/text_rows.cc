@@ -11,6 +11,11 @@ void AppendNumbers(const double* values, Eigen::Index count, std::string& line) 
   }
 }
 
+void AppendInteger(int value, std::string& line) {
+  line += ", ";
+  line += std::to_string(value);
+}
+
 Eigen::Matrix3d FromUpperTriangle(const double* c) {
   Eigen::Matrix3d M;
   M << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];

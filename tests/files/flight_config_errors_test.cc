@@ -294,7 +294,8 @@ TEST(FlightConfigErrors, HostileValuesOfEveryKeyAreReadOrRefusedWithTheirPlace) 
       "frame: {origin_deg_m: [46, 6, 400]}\ntime_span_s: [1, 2]\nstrips: [{name: a, t0: 1, t1: "
       "2}]\n"
       "imu: {max_gap_s: 0.1, grade: ln200}\nlidar: {sigma_p_m: 0.1, boresight_sigma_deg: [1, 1, 1],"
-      " pairs: {strategy: freq, count: 3, freq_hz: 1, window_s: 2}}\n"
+      " pairs: {strategy: freq, count: 3, freq_hz: 1, window_s: 2}, beams: {angles_deg: [-15, 15], "
+      "angle_sigma_deg: 0.1, range_offset_sigma_m: 0.03}}\n"
       "estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.1}]\nnetwork: {node_rate_hz: 10}\n";
   ASSERT_NO_THROW(parse(more));
   EXPECT_GT(testing::CountRefused(text, parse), 1000);

@@ -2,6 +2,7 @@
 #include <dn/lidar/strip_io.h>
 #include <gtest/gtest.h>
 
+#include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
 namespace dn::lidar_test {
@@ -37,6 +38,34 @@ TEST(NewLasStrip, ReadsBackAsItWasGiven) {
     EXPECT_EQ(points.source[i], given.source[i % 2]);
     EXPECT_LE((points.p_c[i] - given.p_c[i % 2]).cwiseAbs().maxCoeff(), 0.5e-4 + 1e-9);
   }
+}
+
+TEST(NewLasStrip, KeepsTheBeamsOfAScanner) {
+  for (const char* name : {"beams.las", "beams.laz"}) {
+    const testing::TempFile file(name, "");
+    StripCloud given = TwoPoints();
+    given.beam = {31, 0};
+    const auto writer =
+        NewLasStrip(file.path(), {.offset_m = {1000.0, -2000.0, 400.0}}, /*with_beam=*/true);
+    writer->Append(given);
+    writer->Finish();
+    StripCloud points;
+    ASSERT_TRUE(OpenStrip(file.path())->Next(&points));
+    EXPECT_EQ(points.beam, given.beam) << name;
+    EXPECT_EQ(points.u_s, given.u_s);
+  }
+}
+
+TEST(NewLasStrip, ABeamThatDoesNotExistIsRefused) {
+  const testing::TempFile file("beams.las", "");
+  StripCloud given = TwoPoints();
+  given.beam = {31, 1024};
+  const auto writer =
+      NewLasStrip(file.path(), {.offset_m = {1000.0, -2000.0, 400.0}}, /*with_beam=*/true);
+  writer->Append(given);
+  writer->Finish();
+  StripCloud points;
+  testing::ExpectInvalid([&] { OpenStrip(file.path())->Next(&points); }, "point 2: beam 1024", 0);
 }
 
 TEST(NewLasStrip, KeepsReturnsClassesFlagsAndIntensities) {

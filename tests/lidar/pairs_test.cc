@@ -39,6 +39,33 @@ TEST(ReadPairs, ReadsTheCovarianceByItsUpperTriangle) {
   EXPECT_EQ(*data.pairs[0].covariance_m2, expected);
 }
 
+TEST(ReadPairs, ReadsTheBeamsOfTheTwoEnds) {
+  const TempFolder folder;
+  folder.Write("a.txt", "100.5, 200.25, 1, 2, 3, 4, 5, 6, 0, 31\n");
+  folder.Write("b.txt", std::string(kFull).substr(0, std::string(kFull).size() - 1) + ", -1, 7\n");
+  folder.Write("c.txt", kPlain);
+  const PairData plain = ReadPairs(folder.path(), {"c.txt"});
+  EXPECT_FALSE(plain.pairs[0].has_beams());
+  const PairData data = ReadPairs(folder.path(), {"a.txt"});
+  EXPECT_EQ(data.pairs[0].beam_i, 0);
+  EXPECT_EQ(data.pairs[0].beam_j, 31);
+  EXPECT_FALSE(data.pairs[0].covariance_m2);
+  const PairData full = ReadPairs(folder.path(), {"b.txt"});
+  EXPECT_EQ(full.pairs[0].beam_i, kNoBeam);
+  EXPECT_EQ(full.pairs[0].beam_j, 7);
+  EXPECT_EQ((*full.pairs[0].covariance_m2)(2, 2), 0.16);
+  folder.Write("d.txt", FormatPairs(full.pairs));
+  EXPECT_EQ(ReadPairs(folder.path(), {"d.txt"}).pairs[0].beam_j, 7);
+}
+
+TEST(ReadPairs, ABeamIsANumberFromMinusOneTo1023) {
+  for (const char* beam : {"1024", "-2", "0.5", "1e9"}) {
+    const TempFolder folder;
+    folder.Write("a.txt", "100.5, 200.25, 1, 2, 3, 4, 5, 6, 1, " + std::string(beam) + "\n");
+    ExpectInvalid([&] { ReadPairs(folder.path(), {"a.txt"}); }, "is not an integer from -1", 1);
+  }
+}
+
 TEST(ReadPairs, TakesFilesOfAPatternInSortedOrderEachOnce) {
   const TempFolder folder;
   int row = 0;

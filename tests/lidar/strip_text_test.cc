@@ -29,6 +29,32 @@ TEST(StripText, IsReadWithItsVectors) {
   EXPECT_FALSE(reader->Next(&points));
 }
 
+TEST(StripText, TheLastColumnMayBeTheBeam) {
+  const TempFile file("strip.txt", "381000.5, 1, 2, 3, 10, 20, 30.5, 4\n");
+  const auto reader = OpenStrip(file.path());
+  StripCloud points;
+  ASSERT_TRUE(reader->Next(&points));
+  EXPECT_EQ(points.beam, std::vector<std::uint16_t>{4});
+  points.covariance_c_m2 = {Eigen::Matrix3d::Identity()};
+  const auto copy = file.path().parent_path() / "copy_with_beam.txt";
+  const auto writer = reader->MakeWriter(copy, {.covariance = true});
+  writer->Append(points);
+  writer->Finish();
+  EXPECT_EQ(ReadWholeFile(copy), "381000.5, 1, 2, 3, 10, 20, 30.5, 1, 0, 0, 1, 0, 1, 4\n");
+  ASSERT_TRUE(OpenStrip(copy)->Next(&points));
+  EXPECT_EQ(points.beam, std::vector<std::uint16_t>{4});
+  EXPECT_EQ(points.covariance_c_m2.size(), 1u);
+}
+
+TEST(StripText, ABeamIsANumberFrom0) {
+  for (const char* beam : {"-1", "1.5", "1024"}) {
+    const TempFile file("strip.txt",
+                        "381000.5, 1, 2, 3, 10, 20, 30.5, " + std::string(beam) + "\n");
+    StripCloud points;
+    ExpectInvalid([&] { OpenStrip(file.path())->Next(&points); }, "beam", 1);
+  }
+}
+
 TEST(StripText, IsWrittenWithEveryDigitAndItsCovariance) {
   const TempFile file("strip.txt", kTwoPoints);
   const auto reader = OpenStrip(file.path());

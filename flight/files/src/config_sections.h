@@ -40,6 +40,7 @@ bool ReadNorth(const YamlValue& north, const std::string& crs);
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
 /// `name` is that of a scanner in a list; it is empty without a list.
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const std::string& name);
+BeamConfig ReadBeams(const YamlValue& section);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 ControlConfig ReadControlSection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);

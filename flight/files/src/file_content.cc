@@ -2,6 +2,7 @@
 #include <dn/files/file_content.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
+#include <dn/lidar/beam.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -35,14 +36,22 @@ constexpr std::size_t kBytesLookedAt = std::size_t{1} << 16;
 // A log at 200 Hz has this many bytes in 10 s or more, with a position in each second.
 constexpr std::size_t kMessageBytesLookedAt = std::size_t{1} << 20;
 
+bool AreBeams(const double* two) {
+  return std::all_of(two, two + 2, [](double value) {
+    return value == std::floor(value) && value >= kNoBeam && value < kMostBeams;
+  });
+}
+
 bool IsPairs(const TextTable& table) {
-  if (table.columns != 8 && table.columns != 14) return false;
+  const bool with_beams = table.columns == 10 || table.columns == 16;
+  if (table.columns != 8 && table.columns != 14 && !with_beams) return false;
   if (files_internal::IsWeek(table, 0)) return false;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* row = table.row(i);
     const double range_m = Eigen::Map<const Eigen::Vector3d>(row + 2).norm();
     const bool fits = IsTime(row[0]) && IsTime(row[1]) && std::abs(row[0] - row[1]) < kWeekS &&
-                      range_m > 0.0 && row[1] > 10.0;
+                      range_m > 0.0 && row[1] > 10.0 &&
+                      (!with_beams || AreBeams(row + table.columns - 2));
     if (!fits) return false;
   }
   return true;

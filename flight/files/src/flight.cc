@@ -10,6 +10,7 @@
 #include <algorithm>
 
 #include "is_there.h"
+#include "pair_beams.h"
 #include "pair_coverage.h"
 
 namespace dn {
@@ -300,6 +301,7 @@ class FolderReader {
     ResolvePairFiles();
     ReadScannerPairs();
     if (!flight_.pairs) return;
+    files_internal::CheckPairBeams(flight_.config, *flight_.pairs);
     Count("repeated pairs", flight_.pairs->repeated_pairs_dropped);
     KeepPairsInsideSpan();
     CheckPairsCovered();

@@ -161,6 +161,17 @@ std::string NameList(const std::vector<std::string>& names) {
   return "[" + text + "]";
 }
 
+std::string BeamsText(const BeamConfig& beams) {
+  std::string text = "{";
+  if (beams.angles_rad.empty()) text += "count: " + std::to_string(beams.count);
+  for (const double angle_rad : beams.angles_rad) {
+    text += (text == "{" ? "angles_deg: [" : ", ") + Number(angle_rad, &RadFromDeg);
+  }
+  return text + (beams.angles_rad.empty() ? "" : "]") +
+         ", angle_sigma_deg: " + Number(beams.angle_sigma_rad, &RadFromDeg) +
+         ", range_offset_sigma_m: " + Number(beams.range_sigma_m) + "}";
+}
+
 /// Writes the keys of a scanner at a level.
 void WriteScanner(const LidarConfig& lidar, int level, Writer& out) {
   out.Key(level, "p2p", NameList(lidar.p2p));
@@ -180,6 +191,7 @@ void WriteScanner(const LidarConfig& lidar, int level, Writer& out) {
   out.Key(level, "gsd_m", Number(lidar.gsd_m));
   out.Key(level, "sigma_p_m", Number(lidar.sigma_p_m));
   out.Key(level, "robust", FindWord(lidar.robust, files_internal::RobustWords()));
+  if (lidar.beams) out.Key(level, "beams", BeamsText(*lidar.beams));
 }
 
 void WriteLidar(const FlightConfig& config, Writer& out) {

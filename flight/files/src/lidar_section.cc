@@ -122,11 +122,13 @@ Eigen::Matrix3d ReadRotation(const YamlValue& value) {
 }
 
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const std::string& name) {
-  std::vector<std::string> keys{
-      "p2p",         "time_offset_s",      "pairs",     "R_sensor_to_body",
-      "lever_arm_m", "boresight_deg",      "scan_axis", "boresight_sigma_deg",
-      "nadir_axis",  "georeferenced_with", "gsd_m",     "sigma_p_m",
-      "robust"};
+  std::vector<std::string> keys{"p2p",         "time_offset_s",
+                                "pairs",       "R_sensor_to_body",
+                                "lever_arm_m", "boresight_deg",
+                                "scan_axis",   "boresight_sigma_deg",
+                                "nadir_axis",  "georeferenced_with",
+                                "gsd_m",       "sigma_p_m",
+                                "robust",      "beams"};
   if (!name.empty()) keys.emplace_back("name");
   section.ExpectMap(keys);
   const auto to_frd = [&](const Eigen::Vector3d& v) { return body_is_flu ? FlipBody(v) : v; };
@@ -159,6 +161,7 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const s
   }
   ReadPairNoise(section, lidar);
   if (section["robust"]) lidar.robust = section["robust"].Choice(RobustWords());
+  if (section["beams"]) lidar.beams = ReadBeams(section["beams"]);
   return lidar;
 }
 

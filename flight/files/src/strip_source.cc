@@ -66,6 +66,7 @@ StripCounts StripSource::Read(const fs::path& file,
     vectors.t_s.clear();
     vectors.u_s.clear();
     vectors.source.clear();
+    vectors.beam.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
       ++counts.points;
       const double t_s = points.t_s[i] - setup_->time_offset_s;
@@ -81,6 +82,7 @@ StripCounts StripSource::Read(const fs::path& file,
         continue;
       }
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
+      if (!points.beam.empty()) vectors.beam.push_back(points.beam[i]);
       vectors.t_s.push_back(files_internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
         vectors.u_s.push_back(setup_->PointLaserVector(points, i, t_s, mounting));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/eigen_alignment.h>
+#include <dn/lidar/beam.h>
 #include <dn/lidar/vector_origin.h>
 
 #include <Eigen/Core>
@@ -24,6 +25,12 @@ struct LidarPair {
   /// Scanners that measured the two ends; indices into the scanners of the flight.
   int scanner_i = 0;
   int scanner_j = 0;
+  /// Beams that measured the two ends, of a scanner with several beams; kNoBeam: unknown, or
+  /// several.
+  int beam_i = kNoBeam;
+  int beam_j = kNoBeam;
+
+  bool has_beams() const { return beam_i != kNoBeam || beam_j != kNoBeam; }
 };
 
 /// Point pairs of a flight and the files that contain them.
@@ -41,7 +48,8 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
                                                  const std::vector<std::string>& patterns);
 
 /// Reads the pair files that match the glob patterns (relative to `folder`), sorted by name. The
-/// columns are t_i, t_j, u_i (3), u_j (3), and optionally the upper triangle of the covariance (6).
+/// columns are t_i, t_j, u_i (3), u_j (3), optionally the upper triangle of the covariance (6), and
+/// optionally the beams of the two ends (2). The number of columns tells which of them there are.
 /// Vectors count as measured unless a comment line of the file states otherwise (FormatOriginLine).
 ///
 /// A pair with the epochs and vectors of an earlier pair is not a second measurement: it is dropped
@@ -50,8 +58,9 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// time_offset_s: known error of the epochs (tag = t + time_offset_s), subtracted first.
 ///
 /// Throws InvalidInput with file:line if a time is not a second of week, or a covariance is not
-/// positive definite. Also throws if a vector is shorter than 1 mm or longer than 50 km, a pattern
-/// matches no file, or there are no pairs.
+/// positive definite. Also throws if a beam is not an integer from -1 (several beams) to 1023, a
+/// vector is shorter than 1 mm or longer than 50 km, a pattern matches no file, or there are no
+/// pairs.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns,
                    double time_offset_s = 0.0);
 
@@ -59,8 +68,8 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
 double MeanRange(const std::vector<LidarPair>& pairs);
 
 /// Returns the text of a pair file, with up to 17 significant digits. Since a file has a fixed
-/// number of columns, either all pairs or none must have a covariance. The first line states the
-/// origin of computed vectors.
+/// number of columns, either all pairs or none must have a covariance. The columns of the beams are
+/// written if a pair has a beam. The first line states the origin of computed vectors.
 std::string FormatPairs(const std::vector<LidarPair>& pairs, const VectorOrigin& origin = {});
 
 }  // namespace dn

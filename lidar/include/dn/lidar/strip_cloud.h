@@ -24,6 +24,7 @@ struct StripCloud {
   std::vector<std::uint8_t> returns_after;
   std::vector<std::uint8_t> classification;  ///< LAS class, such as 2 for ground
   std::vector<std::uint8_t> flags;           ///< any of the flags below
+  std::vector<std::uint16_t> beam;           ///< number of the laser beam, from 0
   /// Covariance of p_c, m^2.
   std::vector<Eigen::Matrix3d> covariance_c_m2;
   /// The LAS records as read from the file, `record_bytes` per point. They preserve the LAS

@@ -78,10 +78,11 @@ class StripReader {
 ///
 ///   LAS     ASPRS LAS 1.0 to 1.4, point formats 0 to 10, with extra bytes; compressed or not (LAZ,
 ///           COPC). "Adjusted standard" GPS time is converted to seconds of the week of the first
-///           point. Laser vectors are extra bytes named ux, uy, uz [m]. The coordinate system is
-///           read from GeoTIFF keys and well-known text.
+///           point. Laser vectors are extra bytes named ux, uy, uz [m], and the number of the
+///           laser beam is one named beam. The coordinate system is read from GeoTIFF keys and
+///           well-known text.
 ///   text    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
-///           (upper triangle xx, xy, xz, yy, yz, zz)
+///           (upper triangle xx, xy, xz, yy, yz, zz), optionally the number of the laser beam
 ///
 /// Throws InvalidInput, with the file and the remedy, for any other binary file. Also throws it for
 /// a header that contradicts itself, its records or the file size, and for damaged points. The
@@ -98,9 +99,12 @@ struct LasGrid {
 
 /// Creates a new LAS or LAZ file: version 1.4, point format 6, time in seconds of week. This format
 /// has 64-bit counts, and its specification includes extra bytes. The laser vector is stored as
-/// extra bytes ux, uy, uz [m] of type double. The file does not name a coordinate system. Append
-/// needs p_c, t_s and u_s. Empty arrays of source, intensity, classification and flags are written
-/// as 0. Without return_number and returns_after, each point is the only return of its pulse.
-std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid);
+/// extra bytes ux, uy, uz [m] of type double, and with_beam adds the beam as an extra attribute of
+/// type unsigned short. The file does not name a coordinate system. Append needs p_c, t_s and u_s,
+/// and beam if it is written. Empty arrays of source, intensity, classification and flags are
+/// written as 0. Without return_number and returns_after, each point is the only return of its
+/// pulse.
+std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid,
+                                         bool with_beam = false);
 
 }  // namespace dn

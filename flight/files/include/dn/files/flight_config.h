@@ -60,6 +60,17 @@ struct PairSelection {
   std::uint64_t seed = 0;
 };
 
+/// Key `beams` of a scanner: several laser beams that rotate about the scan axis, each at its own
+/// angle to the plane perpendicular to this axis.
+struct BeamConfig {
+  std::size_t count = 0;
+  std::vector<double> angles_rad;  ///< angle of each beam toward +scan_axis; empty: not stated
+  /// Standard deviations of the corrections of each beam relative to their means; 0: the beams have
+  /// no such errors.
+  double angle_sigma_rad = 0.1 * 3.14159265358979323846 / 180.0;
+  double range_sigma_m = 0.03;
+};
+
 /// Section `lidar`, or one scanner of its list.
 struct LidarConfig {
   std::string name;  ///< name of the scanner in a list; empty without a list
@@ -75,6 +86,7 @@ struct LidarConfig {
   std::optional<double> gsd_m;
   double sigma_p_m = 0.0;  ///< as given, or else gsd / 2 / sqrt(3)
   RobustKind robust = RobustKind::kNone;
+  std::optional<BeamConfig> beams;  ///< absent: one beam
 };
 
 /// Element of `pairs_between`: pairs whose first end one scanner measured, and another the second.

@@ -23,6 +23,7 @@ struct LaserVectors {
   std::vector<double> t_s;            ///< time on the scale of the trajectory
   std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
   std::vector<std::uint16_t> source;  ///< LAS point source id; empty if the file has none
+  std::vector<std::uint16_t> beam;    ///< number of the laser beam; empty if the file has none
 
   std::size_t size() const { return t_s.size(); }
 };

@@ -63,4 +63,12 @@ struct ScannerAxes {
 /// or not perpendicular (to half a degree).
 ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu);
 
+/// Reads the angles of the beams of a scanner in deg; returns rad. Throws InvalidConfig for fewer
+/// than two beams or more than kMostBeams, and for an angle outside -90 to 90 deg.
+std::vector<double> ReadBeamAngles(const YamlValue& angles_deg);
+
+/// Reads `angle_sigma_deg` and `range_offset_sigma_m` of a section `beams`. An absent key leaves
+/// its value unchanged. Throws InvalidConfig for a negative sigma, and above 5 deg or 1 m.
+void ReadBeamSigmas(const YamlValue& section, double* angle_rad, double* range_m);
+
 }  // namespace dn
