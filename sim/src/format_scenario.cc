@@ -124,6 +124,23 @@ void WriteGnss(const GnssScenario& gnss, Writer* out) {
   out->Key("processes", "[" + processes + "]");
 }
 
+std::string BeamsText(const BeamScenario& beams) {
+  const auto list = [](const char* key, const std::vector<double>& values, auto... unit) {
+    std::string text;
+    for (const double value : values) text += (text.empty() ? "" : ", ") + Number(value, unit...);
+    return ", " + std::string(key) + ": [" + text + "]";
+  };
+  std::string text = "{rotation_hz: " + Number(beams.rotation_hz) +
+                     list("angles_deg", beams.angles_rad, &RadFromDeg) +
+                     ", angle_sigma_deg: " + Number(beams.angle_sigma_rad, &RadFromDeg) +
+                     ", range_offset_sigma_m: " + Number(beams.range_sigma_m);
+  if (!beams.angle_error_rad.empty()) {
+    text += list("angle_error_deg", beams.angle_error_rad, &FromDeg);
+  }
+  if (!beams.range_error_m.empty()) text += list("range_error_m", beams.range_error_m);
+  return text + "}";
+}
+
 /// Writes the keys of a scanner; `indent` is for those of a list. detailed: true over a detailed
 /// terrain.
 void WriteScanner(const LidarScenario& lidar, const std::string& indent, bool detailed,
@@ -139,6 +156,7 @@ void WriteScanner(const LidarScenario& lidar, const std::string& indent, bool de
   out->Key(indent + "pulse_rate_hz", Number(lidar.pulse_rate_hz));
   out->Key(indent + "beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));
   out->Key(indent + "sigma_range_m", Number(lidar.sigma_range_m));
+  if (lidar.beams.count() > 0) out->Key(indent + "beams", BeamsText(lidar.beams));
   if (lidar.max_returns == 1 && lidar.scan_variation == 0.0 && !detailed) return;
   out->Key(indent + "max_returns", std::to_string(lidar.max_returns));
   out->Key(indent + "range_resolution_m", Number(lidar.range_resolution_m));

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "beams.h"
 #include "scanner.h"
 #include "smooth_field.h"
 
@@ -101,10 +102,16 @@ class PairSampler {
   }
 
  private:
-  /// Returns one sighting of the point from a strip, drawn at random if there are two.
+  static int DrawBeam(int beams, Random& random) {
+    return std::min(beams - 1, static_cast<int>(random.Uniform() * beams));
+  }
+
+  /// Returns one sighting of the point from a strip, drawn at random if there are two. The beam of
+  /// a rotating scanner is drawn first.
   static std::optional<Sighting> See(const Scanner& scanner, const Vector3d& point_m,
                                      const Strip& strip, Random& random) {
-    const auto seen = scanner.See(point_m, strip.first, strip.last);
+    const int beam = scanner.num_beams() == 0 ? kNoBeam : DrawBeam(scanner.num_beams(), random);
+    const auto seen = scanner.See(point_m, strip.first, strip.last, beam);
     if (seen.empty()) return std::nullopt;
     return seen.size() == 2 && random.Uniform() < 0.5 ? seen[1] : seen[0];
   }
@@ -263,9 +270,9 @@ class PairSimulator {
     return sigma_p_m;
   }
 
-  static Vector3d Measured(const Sighting& sighting, const ActiveEffects& effects) {
-    Vector3d u_s = sighting.u_s;
-    for (const auto& measured : effects.laser_vector) u_s = measured(u_s, sighting.t_s);
+  static Vector3d Measured(const Sighting& sighting, const PairSide& side) {
+    Vector3d u_s = ReportedByBeam(side.scenario.lidar, sighting.beam, sighting.u_s);
+    for (const auto& measured : side.effects.laser_vector) u_s = measured(u_s, sighting.t_s);
     return u_s;
   }
 
@@ -277,8 +284,10 @@ class PairSimulator {
     LidarPair pair;
     pair.t_i_s = sightings.i.t_s;
     pair.t_j_s = sightings.j.t_s;
-    pair.u_i_s = Measured(sightings.i, i_.effects) + sigma_m * random.Normal3();
-    pair.u_j_s = Measured(sightings.j, j_.effects) + sigma_m * random.Normal3();
+    pair.u_i_s = Measured(sightings.i, i_) + sigma_m * random.Normal3();
+    pair.u_j_s = Measured(sightings.j, j_) + sigma_m * random.Normal3();
+    pair.beam_i = sightings.i.beam;
+    pair.beam_j = sightings.j.beam;
     if (shared) pair.u_i_s += std::sqrt(fraction) * pair_sigma_m * shared->At(sightings.en_m);
     return pair;
   }

@@ -26,8 +26,10 @@ ScanTiming::ScanTiming(const LidarScenario& lidar, double height_m, double speed
     : pattern_(lidar.pattern),
       fov_rad_(lidar.fov_rad),
       height_m_(height_m),
-      scan_rate_hz_(stretch *
-                    std::sqrt(speed_mps * lidar.pulse_rate_hz / ScanLength(lidar, height_m))),
+      scan_rate_hz_(stretch * (pattern_ == ScanPattern::kRotating
+                                   ? lidar.beams.rotation_hz
+                                   : std::sqrt(speed_mps * lidar.pulse_rate_hz /
+                                               ScanLength(lidar, height_m)))),
       start_(start),
       ahead_s_(lidar.scan_axis_s.normalized()),
       aside_s_(ahead_s_.cross(lidar.nadir_axis_s).normalized()),
@@ -37,7 +39,20 @@ ScanTiming::ScanTiming(const LidarScenario& lidar, double height_m, double speed
   ahead_s_ = down_s_.cross(aside_s_);
 }
 
+double ScanTiming::Rotation(double since_s) const {
+  const double turns = start_ + since_s * scan_rate_hz_;
+  return 2.0 * std::numbers::pi * (turns - std::floor(turns) - 0.5);
+}
+
+bool ScanTiming::LooksAway(double since_s) const {
+  return pattern_ == ScanPattern::kRotating && std::abs(Rotation(since_s)) > 0.5 * fov_rad_;
+}
+
 Eigen::Vector3d ScanTiming::Direction(double since_s) const {
+  if (pattern_ == ScanPattern::kRotating) {
+    const double angle = Rotation(since_s);
+    return std::cos(angle) * down_s_ + std::sin(angle) * aside_s_;
+  }
   const double scans = start_ + since_s * scan_rate_hz_;
   const double phase = scans - std::floor(scans);
   if (pattern_ == ScanPattern::kZigzag) {

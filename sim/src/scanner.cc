@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "beams.h"
+
 namespace dn {
 namespace {
 
@@ -47,10 +49,11 @@ Eigen::Matrix3d Scanner::R_bs(double t_s) const {
   return Rotation(boresight_rad) * mounting_.R_bs_nominal;
 }
 
-/// Returns the distance of the point ahead of the beams of a line scanner, towards +scan_axis.
-double Scanner::Ahead(const Vector3d& u_s) const {
+/// Returns the distance of the point ahead of the beams, towards +scan_axis.
+double Scanner::Ahead(const Vector3d& u_s, int beam) const {
   const double ahead_m = u_s.dot(scan_axis_s_);
-  const double lean_rad = ScanLean(effects_, lidar_, u_s);
+  double lean_rad = ScanLean(effects_, lidar_, u_s);
+  if (beam != kNoBeam) lean_rad += TrueBeamAngle(lidar_.beams, beam);
   return lean_rad == 0.0 ? ahead_m : ahead_m - std::sin(lean_rad) * u_s.norm();
 }
 
@@ -65,11 +68,9 @@ Vector3d Scanner::VectorTo(const Vector3d& point_m, const MapPose& pose) const {
          (R_mb.transpose() * (point_m - pose.p_mb) - mounting_.lever_arm_b_m);
 }
 
-std::optional<MapPose> Scanner::Swept(FromBeams from_beams, const Vector3d& point_m,
+std::optional<MapPose> Scanner::Swept(const FromBeams& from_beams, const Vector3d& point_m,
                                       const MapPose& first, const MapPose& last) const {
-  const auto distance_m = [&](const MapPose& pose) {
-    return (this->*from_beams)(VectorTo(point_m, pose));
-  };
+  const auto distance_m = [&](const MapPose& pose) { return from_beams(VectorTo(point_m, pose)); };
   double g0 = distance_m(first), g1 = distance_m(last);
   if (g0 * g1 > 0.0) return std::nullopt;
   double t0_s = first.t_s;
@@ -94,17 +95,19 @@ std::optional<MapPose> Scanner::Swept(FromBeams from_beams, const Vector3d& poin
 /// Returns the poses at which the beams pass the point. A cone passes it once on each side of the
 /// plane that is perpendicular to the direction of travel.
 std::vector<MapPose> Scanner::AllSwept(const Vector3d& point_m, const MapPose& first,
-                                       const MapPose& last) const {
-  const std::optional<MapPose> abeam = Swept(&Scanner::Ahead, point_m, first, last);
+                                       const MapPose& last, int beam) const {
+  const auto ahead = [&](const Vector3d& u_s) { return Ahead(u_s, beam); };
+  const std::optional<MapPose> abeam = Swept(ahead, point_m, first, last);
   std::vector<MapPose> poses;
   if (pattern_ != ScanPattern::kCone) {
     if (abeam) poses.push_back(*abeam);
     return poses;
   }
+  const auto inside = [&](const Vector3d& u_s) { return InsideCone(u_s); };
   const MapPose turn = abeam.value_or(last);
   for (const auto& [from, to] : {std::pair(first, turn), std::pair(turn, last)}) {
     if (from.t_s == to.t_s) continue;
-    const auto pose = Swept(&Scanner::InsideCone, point_m, from, to);
+    const auto pose = Swept(inside, point_m, from, to);
     if (pose) poses.push_back(*pose);
   }
   return poses;
@@ -125,11 +128,11 @@ bool Scanner::Hidden(const Vector3d& point_m, const MapPose& pose) const {
 }
 
 std::vector<Sighting> Scanner::See(const Vector3d& point_m, const MapPose& first,
-                                   const MapPose& last) const {
+                                   const MapPose& last, int beam) const {
   std::vector<Sighting> seen;
-  for (const MapPose& pose : AllSwept(point_m, first, last)) {
+  for (const MapPose& pose : AllSwept(point_m, first, last, beam)) {
     const Vector3d u_s = VectorTo(point_m, pose);
-    if (InView(u_s) && !Hidden(point_m, pose)) seen.push_back({pose.t_s, u_s});
+    if (InView(u_s) && !Hidden(point_m, pose)) seen.push_back({pose.t_s, u_s, beam});
   }
   return seen;
 }

@@ -249,6 +249,50 @@ void ReadReturns(const YamlValue& s, bool detailed, LidarScenario* lidar) {
   if (lidar->scan_variation > 0.1) s["scan_variation"].Fail("must be at most 0.1");
 }
 
+/// Reads errors of beams, one number for each.
+std::vector<double> ReadBeamErrors(const YamlValue& value, int beams, double to_si) {
+  if (!value) return {};
+  std::vector<double> errors = ReadNumberList(value);
+  if (errors.size() != static_cast<std::size_t>(beams)) {
+    value.Fail("has " + std::to_string(errors.size()) +
+               " numbers, must have one per beam: " + std::to_string(beams));
+  }
+  for (double& error : errors) error *= to_si;
+  return errors;
+}
+
+BeamScenario ReadBeamScenario(const YamlValue& s) {
+  s.ExpectMap({"angles_deg", "rotation_hz", "angle_sigma_deg", "range_offset_sigma_m",
+               "angle_error_deg", "range_error_m"});
+  const BeamConfig usual;
+  BeamScenario beams;
+  beams.angles_rad = ReadBeamAngles(s["angles_deg"]);
+  beams.rotation_hz = ReadPositiveOr(s["rotation_hz"], beams.rotation_hz);
+  beams.angle_sigma_rad = usual.angle_sigma_rad;
+  beams.range_sigma_m = usual.range_sigma_m;
+  ReadBeamSigmas(s, &beams.angle_sigma_rad, &beams.range_sigma_m);
+  beams.angle_error_rad = ReadBeamErrors(s["angle_error_deg"], beams.count(), kRadPerDeg);
+  beams.range_error_m = ReadBeamErrors(s["range_error_m"], beams.count(), 1.0);
+  return beams;
+}
+
+/// Reads the arrangement of the beams; several beams belong to a rotating scanner.
+void ReadPattern(const YamlValue& s, LidarScenario* lidar) {
+  if (s["beams"]) {
+    lidar->pattern = ScanPattern::kRotating;
+    lidar->beams = ReadBeamScenario(s["beams"]);
+  }
+  if (!s["pattern"]) return;
+  const ScanPattern pattern = s["pattern"].Choice(ScanPatternWords());
+  if (pattern == ScanPattern::kRotating && !s["beams"]) {
+    s["pattern"].Fail("needs `beams`: {angles_deg: [...]}");
+  }
+  if (pattern != ScanPattern::kRotating && s["beams"]) {
+    s["pattern"].Fail("must be rotating, or absent, for a scanner with several beams");
+  }
+  lidar->pattern = pattern;
+}
+
 /// `name` is that of a scanner in a list; it is empty without a list. detailed: true over a
 /// detailed terrain.
 LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detailed) {
@@ -266,7 +310,8 @@ LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detail
                                 "max_returns",
                                 "range_resolution_m",
                                 "noise_share",
-                                "scan_variation"};
+                                "scan_variation",
+                                "beams"};
   if (!name.empty()) keys.emplace_back("name");
   ExpectMapOrAbsent(s, keys);
   LidarScenario lidar;
@@ -281,7 +326,7 @@ LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detail
   const double fov_deg = ReadPositiveOr(s["fov_deg"], 60.0);
   if (fov_deg > 150.0) s["fov_deg"].Fail("must be at most 150");
   lidar.fov_rad = fov_deg * kRadPerDeg;
-  if (s["pattern"]) lidar.pattern = s["pattern"].Choice(ScanPatternWords());
+  ReadPattern(s, &lidar);
   lidar.pulse_rate_hz = ReadPositiveOr(s["pulse_rate_hz"], 100000.0);
   lidar.gsd_m = ReadPositive(s["gsd_m"]);
   lidar.beam_divergence_rad = 1e-3 * ReadNotNegativeOr(s["beam_divergence_mrad"], 0.0);

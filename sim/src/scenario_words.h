@@ -23,8 +23,10 @@ inline const ScenarioWords<TerrainKind>& TerrainWords() {
 }
 
 inline const ScenarioWords<ScanPattern>& ScanPatternWords() {
-  static const ScenarioWords<ScanPattern> words{
-      {"line", ScanPattern::kLine}, {"zigzag", ScanPattern::kZigzag}, {"cone", ScanPattern::kCone}};
+  static const ScenarioWords<ScanPattern> words{{"line", ScanPattern::kLine},
+                                                {"zigzag", ScanPattern::kZigzag},
+                                                {"cone", ScanPattern::kCone},
+                                                {"rotating", ScanPattern::kRotating}};
   return words;
 }
 

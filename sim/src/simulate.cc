@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "active_effects.h"
+#include "beams.h"
 #include "control_simulation.h"
 #include "flight_plan.h"
 #include "gnss_simulation.h"
@@ -152,6 +153,10 @@ std::vector<std::string> FileNames(const PairData& pairs) {
   return names;
 }
 
+BeamConfig AssumedBeams(const BeamScenario& beams) {
+  return {beams.angles_rad.size(), beams.angles_rad, beams.angle_sigma_rad, beams.range_sigma_m};
+}
+
 /// `pairs` are those of the scanner alone.
 LidarConfig AssumedLidar(const Scenario& scenario, const std::optional<PairData>& pairs) {
   LidarConfig lidar;
@@ -163,6 +168,7 @@ LidarConfig AssumedLidar(const Scenario& scenario, const std::optional<PairData>
   lidar.nadir_axis_s = scenario.lidar.nadir_axis_s;
   lidar.gsd_m = scenario.lidar.gsd_m;
   lidar.sigma_p_m = scenario.pairs.sigma_p_m;
+  if (scenario.lidar.beams.count() > 0) lidar.beams = AssumedBeams(scenario.lidar.beams);
   return lidar;
 }
 
@@ -261,7 +267,8 @@ FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed) {
   return {flown.begin_s, flown.begin_s + flown.plan.duration_s, Strips(scenario.plan, flown)};
 }
 
-SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options) {
+SimulatedFlight Simulate(const Scenario& given, const SimulateOptions& options) {
+  const Scenario scenario = WithBeamErrors(given, options.seed);
   const auto progress = [&](const char* stage) {
     return [&options, stage](double fraction) {
       if (options.progress) options.progress(stage, fraction);

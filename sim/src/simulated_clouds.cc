@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "active_effects.h"
+#include "beams.h"
 #include "echoes.h"
 #include "false_returns.h"
 #include "fine_poses.h"
@@ -101,6 +102,7 @@ class SimulatedClouds::Pulses {
     const FinePoses poses(*world_.truth, Epoch(first), Epoch(past));
     CloudCounts counts{past - first};
     for (std::size_t k = first; k < past; ++k) {
+      if (scan_.LooksAway(Since(k))) continue;
       if (world_.lidar.max_returns > 1) {
         FireBeam(k, poses, &random, &caster, &counts, cloud);
       } else {
@@ -124,10 +126,18 @@ class SimulatedClouds::Pulses {
   double Since(std::size_t k) const { return static_cast<double>(k) / world_.lidar.pulse_rate_hz; }
   double Epoch(std::size_t k) const { return strip_.t0_s + Since(k); }
 
+  /// Returns the number of the beam of a rotating scanner that fires pulse k.
+  int BeamNumber(std::size_t k) const {
+    const auto beams = static_cast<std::size_t>(world_.lidar.beams.count());
+    return beams == 0 ? kNoBeam : static_cast<int>(k % beams);
+  }
+
   /// Returns the true direction of the centre of the beam, in the sensor frame.
   Vector3d Beam(std::size_t k) const {
     Vector3d nominal_s = scan_.Direction(Since(k));
-    const double lean_rad = ScanLean(world_.effects, world_.lidar, nominal_s);
+    double lean_rad = ScanLean(world_.effects, world_.lidar, nominal_s);
+    const int beam = BeamNumber(k);
+    if (beam != kNoBeam) lean_rad += TrueBeamAngle(world_.lidar.beams, beam);
     if (lean_rad == 0.0) return nominal_s;
     return TurnedTowardAxis(world_.lidar.scan_axis_s.normalized(), lean_rad, nominal_s);
   }
@@ -141,7 +151,8 @@ class SimulatedClouds::Pulses {
     return (beam_s + sigma_rad * (x * one + y * other)).normalized();
   }
 
-  Vector3d Measured(Vector3d u_s, double t_s, Random* random) const {
+  Vector3d Measured(const Vector3d& true_u_s, double t_s, int beam, Random* random) const {
+    Vector3d u_s = ReportedByBeam(world_.lidar, beam, true_u_s);
     for (const auto& measured : world_.effects.laser_vector) u_s = measured(u_s, t_s);
     if (!world_.noise) return u_s;
     return (1.0 + world_.lidar.sigma_range_m * random->Normal() / u_s.norm()) * u_s;
@@ -173,13 +184,14 @@ class SimulatedClouds::Pulses {
     const bool on_water = hit && hit->surface == Surface::kWater;
     if (on_water) ++counts->on_water;
     if (!hit || on_water) return;
-    AddPoint(pose, hit->range_m * beam_s, random, cloud);
+    AddPoint(pose, hit->range_m * beam_s, BeamNumber(k), random, cloud);
   }
 
   /// Adds the point that software computes from a laser vector.
-  void AddPoint(const MapPose& pose, const Vector3d& true_u_s, Random* random,
+  void AddPoint(const MapPose& pose, const Vector3d& true_u_s, int beam, Random* random,
                 StripCloud* cloud) const {
-    const Vector3d u_s = Measured(true_u_s, pose.t_s, random);
+    const Vector3d u_s = Measured(true_u_s, pose.t_s, beam, random);
+    if (beam != kNoBeam) cloud->beam.push_back(static_cast<std::uint16_t>(beam));
     const double tag_s = Tag(pose.t_s);
     cloud->t_s.push_back(tag_s);
     cloud->u_s.push_back(u_s);
@@ -241,7 +253,7 @@ class SimulatedClouds::Pulses {
       AddFalseReturn(scan_.height_m(), random, &returns);
     }
     for (std::size_t i = 0; i < returns.size(); ++i) {
-      AddPoint(pose, returns[i].range_m * beam_s, random, cloud);
+      AddPoint(pose, returns[i].range_m * beam_s, BeamNumber(k), random, cloud);
       cloud->intensity.push_back(returns[i].intensity);
       cloud->classification.push_back(returns[i].point_class);
       cloud->flags.push_back(returns[i].flags);
@@ -299,7 +311,8 @@ CloudCounts SimulatedClouds::Run(std::size_t strip, int threads,
 CloudCounts SimulatedClouds::Write(std::size_t strip, const std::filesystem::path& file,
                                    int threads, const std::function<void(double)>& progress) const {
   const Flown flown = Fly(*world_->truth, strips_[strip], world_->base_m);
-  const auto writer = NewLasStrip(file, {.offset_m = flown.middle_m.array().round()});
+  const auto writer = NewLasStrip(file, {.offset_m = flown.middle_m.array().round()},
+                                  world_->lidar.beams.count() > 0);
   const CloudCounts counts = Run(
       strip, threads, [&](const StripCloud& cloud) { writer->Append(cloud); }, progress);
   writer->Finish();

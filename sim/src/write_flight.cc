@@ -116,20 +116,32 @@ std::string ControlText(const Flight& flight, bool checks) {
   return "name, lat, lon, height, sigma_e, sigma_n, sigma_h, t, ux, uy, uz\n" + text;
 }
 
+/// Returns the errors of the beams of a scanner; empty for a scanner with one beam.
+std::string BeamsText(const BeamScenario& beams) {
+  if (beams.count() == 0) return "";
+  std::vector<double> angle_deg = beams.angle_error_rad;
+  for (double& error : angle_deg) error *= kDegPerRad;
+  return "beams: {angle_error_deg: " + YamlList(angle_deg.data(), angle_deg.size()) +
+         ", range_error_m: " + YamlList(beams.range_error_m.data(), beams.range_error_m.size()) +
+         "}";
+}
+
 /// Returns the true mountings of the scanners of a list; empty without a list.
 std::string ScannersText(const SimulatedFlight& simulated) {
   const Scenario& scenario = simulated.scenario;
   if (scenario.lidar.name.empty()) return "";
-  const auto line = [](const std::string& name, const Eigen::Vector3d& boresight_rad,
+  const auto line = [](const LidarScenario& lidar, const Eigen::Vector3d& boresight_rad,
                        const Eigen::Vector3d& lever_arm_m) {
-    return "  - {name: " + Quoted(name) +
+    const std::string beams = BeamsText(lidar.beams);
+    return "  - {name: " + Quoted(lidar.name) +
            ", boresight_deg: " + YamlList(kDegPerRad * boresight_rad) +
-           ", lidar_lever_arm_m: " + YamlList(lever_arm_m) + "}\n";
+           ", lidar_lever_arm_m: " + YamlList(lever_arm_m) + (beams.empty() ? "" : ", ") + beams +
+           "}\n";
   };
-  std::string text = "scanners:\n" + line(scenario.lidar.name, simulated.boresight_rad,
-                                          simulated.lidar_lever_arm_b_m);
+  std::string text =
+      "scanners:\n" + line(scenario.lidar, simulated.boresight_rad, simulated.lidar_lever_arm_b_m);
   for (std::size_t k = 0; k < scenario.more_scanners.size(); ++k) {
-    text += line(scenario.more_scanners[k].name, simulated.more_boresights_rad[k],
+    text += line(scenario.more_scanners[k], simulated.more_boresights_rad[k],
                  simulated.more_lever_arms_b_m[k]);
   }
   return text;
@@ -144,6 +156,9 @@ std::string FormatTruth(const SimulatedFlight& simulated) {
   text += "gnss_lever_arm_m: " + YamlList(simulated.gnss_lever_arm_b_m) + "\n";
   text += "lidar_lever_arm_m: " + YamlList(simulated.lidar_lever_arm_b_m) + "\n";
   text += ScannersText(simulated);
+  if (simulated.scenario.lidar.name.empty() && simulated.scenario.lidar.beams.count() > 0) {
+    text += BeamsText(simulated.scenario.lidar.beams) + "\n";
+  }
   text += "effects:";
   if (simulated.scenario.effects.empty()) return text + " []\n";
   for (const Effect& effect : simulated.scenario.effects) {

@@ -16,7 +16,7 @@ void Lean(const EffectInput& input, const std::function<double(double scan_angle
   active->scan_lean_rad.push_back(lean_rad);
   const LidarScenario& lidar = input.scenario.lidar;
   const Eigen::Vector3d axis_s = lidar.scan_axis_s.normalized();
-  if (lidar.pattern == ScanPattern::kCone) {
+  if (lidar.pattern == ScanPattern::kCone || lidar.pattern == ScanPattern::kRotating) {
     active->laser_vector.emplace_back([alone, lidar, axis_s](const Eigen::Vector3d& u_s, double) {
       return TurnedTowardAxis(axis_s, -ScanLean(alone, lidar, u_s), u_s);
     });

@@ -115,9 +115,24 @@ struct GnssScenario {
 
 /// Arrangement of the laser beams of a scanner.
 enum class ScanPattern {
-  kLine,    ///< the beams lie in the plane perpendicular to the scan axis, and sweep to one side
-  kZigzag,  ///< the same plane, but the mirror swings to and fro and slows down at the sides
-  kCone     ///< the beams lie on the cone of half angle fov/2 about the nadir axis
+  kLine,     ///< the beams lie in the plane perpendicular to the scan axis, and sweep to one side
+  kZigzag,   ///< the same plane, but the mirror swings to and fro and slows down at the sides
+  kCone,     ///< the beams lie on the cone of half angle fov/2 about the nadir axis
+  kRotating  ///< several beams rotate about the scan axis, each on a cone about this axis
+};
+
+/// Beams of a rotating scanner. Each list has one element per beam.
+struct BeamScenario {
+  std::vector<double> angles_rad;  ///< assumed angle toward +scan_axis from the plane across it
+  double rotation_hz = 10.0;       ///< only for point clouds
+  /// Standard deviations of the errors, which the assumed model states.
+  double angle_sigma_rad = 0.0;
+  double range_sigma_m = 0.0;
+  /// Errors; empty: drawn with these standard deviations, with a mean of zero.
+  std::vector<double> angle_error_rad;  ///< true angle minus assumed angle
+  std::vector<double> range_error_m;    ///< measured range minus true range
+
+  int count() const { return static_cast<int>(angles_rad.size()); }
 };
 
 /// Laser scanner and its mounting.
@@ -137,6 +152,7 @@ struct LidarScenario {
   double range_resolution_m = 2.5;
   double noise_share = 0.0;     ///< fraction of the pulses that give a false return
   double scan_variation = 0.0;  ///< rms of the relative difference of scan rates between strips
+  BeamScenario beams;           ///< only for kRotating
 };
 
 /// Number and accuracy of the point pairs.
