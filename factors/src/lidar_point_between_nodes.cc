@@ -64,12 +64,13 @@ LidarPointBetweenNodes::LidarPointBetweenNodes(const LocalFrame& frame, const Li
       mounting_(mounting),
       node_(node),
       node_after_(node_after),
-      scanner_(end.scanner) {}
+      scanner_(end.scanner),
+      beam_(end.beam) {}
 
 LidarPointBetweenNodes::State LidarPointBetweenNodes::At(const LidarPointBlocks& blocks,
                                                          double const* const* x) const {
   State at;
-  at.reading = Corrected(blocks.lidar, x + blocks.first_effect, tag_s_, u_s_, scanner_);
+  at.reading = Corrected(blocks.lidar, x + blocks.first_effect, tag_s_, u_s_, scanner_, beam_);
   double const* const* mounting = x + mounting_.first;
   at.theta = Log(Eigen::Quaterniond(mounting[0])) + at.reading.turn_b_rad;
   const VectorXd change = ImuChange(blocks, J_increments_.cols(), x);

@@ -1,4 +1,5 @@
 #include <dn/axis_names.h>
+#include <dn/builder/beam_unknowns.h>
 #include <dn/builder/calibration_blocks.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
@@ -23,8 +24,7 @@ BlockId AddVectorBlock(const std::string& name, const Eigen::VectorXd& value, Ne
     case 3:
       return net->AddVector<3>(name, value).id;
     default:
-      throw InvalidInput("effect '" + name + "' has " + std::to_string(value.size()) +
-                         " values, but only effects with one to three values can be estimated");
+      return net->AddBlock(name, VectorKind(static_cast<int>(value.size())), value);
   }
 }
 
@@ -42,8 +42,17 @@ FactorId AddPrior(BlockId block, const Eigen::VectorXd& center, const Eigen::Vec
   return AddSizedPrior<3>(block, center, sigma, net);
 }
 
+BlockLabel BeamLabel(const std::string& name, Eigen::Index size) {
+  std::vector<std::string> components;
+  for (Eigen::Index k = 0; k < size; ++k) components.push_back("beam " + std::to_string(k));
+  const bool angle = name.find("angle") < name.find('/');
+  return {angle ? "beam angle" : "beam range offset", components, angle ? "deg" : "m",
+          angle ? kDegPerRad : 1.0};
+}
+
 /// Returns the label of an effect of the effect table, or a plain label for a user-defined effect.
 BlockLabel EffectLabel(const std::string& name, Eigen::Index size) {
+  if (IsBeamUnknown(name)) return BeamLabel(name, size);
   const EffectSpec* spec = FindEffect(name);
   const EstimableEffect* effect = FindEstimable(name);
   if (spec == nullptr || effect == nullptr) return {name, {}, "", 1.0};
@@ -65,6 +74,7 @@ CalibrationBlocks::CalibrationBlocks(const Flight& flight, const CalibrationStat
   }
   AddEffects(initial);
   AddPriors();
+  AddBeamPriors();
 }
 
 bool CalibrationBlocks::IsEstimated(const std::string& unknown) const {
@@ -107,7 +117,7 @@ void CalibrationBlocks::AddEffects(const CalibrationState& initial) {
   for (const CalibrationValue& one : initial.effects) {
     const BlockId id = AddVectorBlock(one.name, one.value, &net_);
     net_.SetLabel(id, EffectLabel(one.name, one.value.size()));
-    net_.Hold(id, !IsEstimated(one.name));
+    net_.Hold(id, !IsEstimated(one.name) && !IsBeamUnknown(one.name));
     effects_.push_back({one.name, one.action, id});
   }
 }
@@ -130,6 +140,17 @@ void CalibrationBlocks::AddPriors() {
     const BlockId block = net_.Find(entry.unknown);
     net_.Tag(AddPrior(block, AssumedValue(flight_, entry.unknown), *PriorSigma(entry), &net_),
              builder_internal::PriorGroup(), nan);
+  }
+}
+
+void CalibrationBlocks::AddBeamPriors() {
+  for (const BeamUnknown& unknown : FindBeamUnknowns(flight_)) {
+    const auto has_name = [&](const EffectBlock& effect) { return effect.name == unknown.name; };
+    const auto effect = std::find_if(effects_.begin(), effects_.end(), has_name);
+    if (effect == effects_.end()) continue;
+    const FactorId id =
+        net_.AddFactor(std::make_shared<LinearPrior>(BeamPrior(unknown)), {effect->id});
+    net_.Tag(id, builder_internal::PriorGroup(), std::numeric_limits<double>::quiet_NaN());
   }
 }
 

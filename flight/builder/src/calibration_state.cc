@@ -1,3 +1,4 @@
+#include <dn/builder/beam_unknowns.h>
 #include <dn/builder/calibration_state.h>
 #include <dn/effects/effect_table.h>
 #include <dn/files/scanners.h>
@@ -94,6 +95,10 @@ CalibrationState AssumedCalibration(const Flight& flight) {
     state.Insert({entry.unknown,
                   MakeAction(*effect, {flight, entry.times, FindScanner(config, entry.unknown)}),
                   Eigen::VectorXd::Zero(size)});
+  }
+  for (const BeamUnknown& unknown : FindBeamUnknowns(flight)) {
+    state.Insert({unknown.name, BeamAction(flight, unknown),
+                  Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknown.num_beams()))});
   }
   return state;
 }

@@ -161,7 +161,7 @@ std::shared_ptr<const FactorBase> ControlEdges::Factor(
   const double node_t_s = context_.trajectory.node_times()[edge.node];
   EndIncrements increments(*flight.imu, calibration, context_.noise, node_t_s,
                            context_.trajectory.BiasesAt(node_t_s));
-  const double epoch_s = prepared.EmissionTime(prepared.Read(one.t_s, one.u_s, 0));
+  const double epoch_s = prepared.EmissionTime(prepared.Read({one.t_s, one.u_s}));
   const double sigma_m = one.sigma_m.value_or(LaserSigma(flight.config));
   Eigen::Matrix3d covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
   PreparedControl control;

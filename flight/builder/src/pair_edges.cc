@@ -37,7 +37,7 @@ std::vector<AttachedEnd> EndsInOrder(std::span<const PairEdge> edges,
   std::vector<AttachedEnd> ends;
   ends.reserve(2 * edges.size());
   const auto epoch = [&](const LaserShot& shot) {
-    return calibration.EmissionTime(calibration.Read(shot.tag_s, shot.u_s, shot.scanner));
+    return calibration.EmissionTime(calibration.Read(shot));
   };
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const LidarPair& pair = edges[k].pair;

@@ -67,7 +67,7 @@ Preintegrated EndIncrements::To(double epoch_s) {
 
 LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, const LaserShot& shot,
                     EndAttachment at, Eigen::Matrix3d* covariance_m2) {
-  const LidarReading reading = calibration.Read(shot.tag_s, shot.u_s, shot.scanner);
+  const LidarReading reading = calibration.Read(shot);
   const double t_s = calibration.EmissionTime(reading);
   if (t_s < at.node.t_s - kEpochRoundingS) {
     throw InvalidInput("lidar time offset: the estimate of " + std::to_string(shot.tag_s - t_s) +
@@ -76,6 +76,7 @@ LidarEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration, co
   }
   LidarEnd end{shot.tag_s, std::move(at.partial), shot.u_s, at.node.p_mb};
   end.scanner = shot.scanner;
+  end.beam = shot.beam;
   if (at.inertial) {
     end.bridge = std::make_shared<IncrementConditioning>(flight.frame, end.partial,
                                                          at.inertial->increments());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/eigen_alignment.h>
+#include <dn/lidar/beam.h>
 #include <dn/shared_list.h>
 
 #include <Eigen/Core>
@@ -19,7 +20,8 @@ struct LidarReading {
   /// Derivatives with respect to the values of all effects, in their order.
   Eigen::Matrix3Xd J_u, J_turn, J_arm;
   Eigen::RowVectorXd J_delay;
-  int scanner = 0;  ///< index of the scanner, for effects that act on one of several
+  int scanner = 0;     ///< index of the scanner, for effects that act on one of several
+  int beam = kNoBeam;  ///< beam of the scanner, for effects that act on one of several
 
   /// Returns a reading without corrections, with zero derivatives for `columns` values.
   static LidarReading Uncorrected(double tag_s, const Eigen::Vector3d& u_s, Eigen::Index columns) {
@@ -64,9 +66,11 @@ inline Eigen::Index TotalComponents(const LidarEffects& effects) {
 /// Returns the reading after removing every effect in order; `values` has one pointer to the values
 /// of each effect.
 inline LidarReading Corrected(const LidarEffects& effects, double const* const* values,
-                              double tag_s, const Eigen::Vector3d& u_s, int scanner = 0) {
+                              double tag_s, const Eigen::Vector3d& u_s, int scanner = 0,
+                              int beam = kNoBeam) {
   LidarReading reading = LidarReading::Uncorrected(tag_s, u_s, TotalComponents(effects));
   reading.scanner = scanner;
+  reading.beam = beam;
   Eigen::Index column = 0;
   for (std::size_t k = 0; k < effects.size(); ++k) {
     const int components = effects[k]->components();

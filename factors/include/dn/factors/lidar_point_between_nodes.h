@@ -99,6 +99,7 @@ class LidarPointBetweenNodes {
   MountingBlocks mounting_;
   std::size_t node_ = 0, node_after_ = 0;
   int scanner_ = 0;
+  int beam_ = kNoBeam;
 };
 
 namespace factors_internal {

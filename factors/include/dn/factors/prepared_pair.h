@@ -2,6 +2,7 @@
 
 #include <dn/factors/node_bridge.h>
 #include <dn/imu/preintegration.h>
+#include <dn/lidar/beam.h>
 #include <dn/noise.h>
 
 #include <Eigen/Core>
@@ -21,7 +22,8 @@ struct LidarEnd {
   Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();
   /// Conditions the increments on the attitude of the node after the epoch; null: unconditioned.
   std::shared_ptr<const IncrementConditioning> bridge = {};
-  int scanner = 0;  ///< index of the scanner, see LidarReading
+  int scanner = 0;     ///< index of the scanner, see LidarReading
+  int beam = kNoBeam;  ///< beam of the scanner
 };
 
 /// A point pair prepared for its factor: both ends attached to their nodes.

@@ -29,6 +29,10 @@ EffectAction LidarScanTorsion(const EffectSite& site);
 EffectAction BoresightDrift(const EffectSite& site);
 EffectAction BoresightStep(const EffectSite& site);
 
+/// Make the corrections of the beams of a scanner; see BeamAction.
+EffectAction BeamAngles(const LidarConfig& lidar, int beams);
+EffectAction BeamRanges(int beams);
+
 /// These functions return the configured value of an effect; see EstimableEffect::configured.
 Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config, std::size_t scanner);
 Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config, std::size_t scanner);

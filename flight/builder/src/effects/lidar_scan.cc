@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "effects.h"
+#include "turned_vector.h"
 
 namespace dn::builder_internal {
 namespace {
@@ -34,28 +35,6 @@ struct ScanAngle {
     angle_rad = std::atan2(across, along);
     by_u =
         (along * scan.side - across * scan.nadir).transpose() / (along * along + across * across);
-  }
-};
-
-/// A laser vector u rotated toward the scan axis, and its derivatives. `toward_axis` u is the
-/// derivative of u with respect to the rotation.
-struct TurnedVector {
-  Vector3d u_s;
-  Matrix3d by_u;
-  Vector3d by_angle;
-
-  TurnedVector(const Vector3d& axis, double angle_rad, const Vector3d& u) {
-    const double height = axis.dot(u);
-    const Vector3d in_plane = u - height * axis;
-    const double length = in_plane.norm();
-    const Vector3d e = in_plane / length;
-    const Matrix3d across = Matrix3d::Identity() - axis * axis.transpose() - e * e.transpose();
-    const Matrix3d toward_axis =
-        axis * e.transpose() - e * axis.transpose() - height / length * across;
-    const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-    by_u = c * Matrix3d::Identity() + s * toward_axis;
-    by_angle = (c * toward_axis - s * Matrix3d::Identity()) * u;
-    u_s = by_u * u;
   }
 };
 

@@ -25,9 +25,9 @@ struct ScannerBlocks {
 
 /// The calibration unknowns of a flight as blocks of a network, with their priors.
 ///
-/// Block names: "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every
-/// other effect of `estimate` by its name; those of further scanners by ScannerName. A block that
-/// the configuration does not estimate is constant.
+/// Block names: "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", every other
+/// effect of `estimate` by its name, and the corrections of beams (BeamUnknown); those of further
+/// scanners by ScannerName. A block that the configuration does not estimate is constant.
 class CalibrationBlocks {
  public:
   /// Adds the blocks with the values of `initial`, and the priors of the configuration. The flight
@@ -60,6 +60,7 @@ class CalibrationBlocks {
   void AddEffects(const CalibrationState& initial);
   void AddPriors();
   void AddBoresightPrior(std::size_t k);
+  void AddBeamPriors();
   bool IsEstimated(const std::string& unknown) const;
 
   const Flight& flight_;

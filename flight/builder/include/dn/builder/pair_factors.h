@@ -16,6 +16,22 @@
 
 namespace dn {
 
+/// A laser vector with its time tag, scanner and beam.
+struct LaserShot {
+  double tag_s = 0.0;
+  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
+  int scanner = 0;
+  int beam = kNoBeam;
+};
+
+/// Return the shots of the two ends of a pair.
+inline LaserShot ShotI(const LidarPair& pair) {
+  return {pair.t_i_s, pair.u_i_s, pair.scanner_i, pair.beam_i};
+}
+inline LaserShot ShotJ(const LidarPair& pair) {
+  return {pair.t_j_s, pair.u_j_s, pair.scanner_j, pair.beam_j};
+}
+
 /// A calibration prepared for the readings of many pairs: the effects on the lidar are looked up
 /// once. The CalibrationState must outlive this object.
 class PairCalibration {
@@ -26,8 +42,8 @@ class PairCalibration {
   const LidarEffects& lidar() const { return lidar_; }
 
   /// Returns a reading corrected for the effects on the lidar, without derivatives.
-  LidarReading Read(double tag_s, const Eigen::Vector3d& u_s, int scanner) const {
-    return Corrected(not_zero_, values_.data(), tag_s, u_s, scanner);
+  LidarReading Read(const LaserShot& shot) const {
+    return Corrected(not_zero_, values_.data(), shot.tag_s, shot.u_s, shot.scanner, shot.beam);
   }
   /// Returns the emission time of the beam of a reading, s.
   double EmissionTime(const LidarReading& reading) const {
@@ -57,17 +73,6 @@ class EndIncrements {
   ImuCorrection correction_;
   IncrementalPreintegrator growing_;
 };
-
-/// A laser vector with its time tag and scanner.
-struct LaserShot {
-  double tag_s = 0.0;
-  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
-  int scanner = 0;
-};
-
-/// Return the shots of the two ends of a pair.
-inline LaserShot ShotI(const LidarPair& pair) { return {pair.t_i_s, pair.u_i_s, pair.scanner_i}; }
-inline LaserShot ShotJ(const LidarPair& pair) { return {pair.t_j_s, pair.u_j_s, pair.scanner_j}; }
 
 /// The attachment of one end of a pair to its node.
 struct EndAttachment {

@@ -1,0 +1,94 @@
+#include <dn/builder/beam_unknowns.h>
+#include <dn/files/scanners.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "effects/effects.h"
+
+namespace dn {
+namespace {
+
+constexpr const char* kAngleName = "lidar_beam_angle";
+constexpr const char* kRangeName = "lidar_beam_range";
+// Standard deviation of the mean of the corrections relative to that of a correction. The mean is
+// another unknown, so that it is held at zero as far as the arithmetic allows.
+constexpr double kMeanOverSigma = 1e-3;
+
+/// Returns the number of ends of pairs of each beam of a scanner.
+std::vector<long> CountEnds(const Flight& flight, std::size_t scanner, std::size_t beams) {
+  std::vector<long> ends(beams, 0);
+  const auto add = [&](int of_scanner, int beam) {
+    const bool own = of_scanner == static_cast<int>(scanner) && beam != kNoBeam;
+    if (own) ++ends.at(static_cast<std::size_t>(beam));
+  };
+  if (!flight.pairs) return ends;
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    add(pair.scanner_i, pair.beam_i);
+    add(pair.scanner_j, pair.beam_j);
+  }
+  return ends;
+}
+
+}  // namespace
+
+std::size_t BeamUnknown::NumMeasured() const {
+  return static_cast<std::size_t>(
+      std::count_if(ends.begin(), ends.end(), [](long count) { return count > 0; }));
+}
+
+double BeamUnknown::PriorSigma(std::size_t k) const {
+  if (ends[k] == 0) return sigma;
+  return sigma * std::sqrt(1.0 - 1.0 / static_cast<double>(NumMeasured()));
+}
+
+std::vector<BeamUnknown> FindBeamUnknowns(const Flight& flight) {
+  using Kind = BeamUnknown::Kind;
+  std::vector<BeamUnknown> unknowns;
+  for (std::size_t k = 0; k < NumScanners(flight.config); ++k) {
+    const std::optional<BeamConfig>& beams = ScannerAt(flight.config, k).beams;
+    if (!beams) continue;
+    const std::vector<long> ends = CountEnds(flight, k, beams->count);
+    if (std::all_of(ends.begin(), ends.end(), [](long count) { return count == 0; })) continue;
+    const auto add = [&](Kind kind, const char* name, double sigma) {
+      if (sigma == 0.0) return;
+      unknowns.push_back({kind, k, ScannerName(flight.config, name, k), sigma, ends});
+    };
+    add(Kind::kAngle, kAngleName, beams->angle_sigma_rad);
+    add(Kind::kRange, kRangeName, beams->range_sigma_m);
+  }
+  return unknowns;
+}
+
+bool IsBeamUnknown(std::string_view name) {
+  const std::string_view unknown = name.substr(0, name.find('/'));
+  return unknown == kAngleName || unknown == kRangeName;
+}
+
+EffectAction BeamAction(const Flight& flight, const BeamUnknown& unknown) {
+  const int beams = static_cast<int>(unknown.num_beams());
+  EffectAction action =
+      unknown.kind == BeamUnknown::Kind::kAngle
+          ? builder_internal::BeamAngles(ScannerAt(flight.config, unknown.scanner), beams)
+          : builder_internal::BeamRanges(beams);
+  if (NumScanners(flight.config) < 2) return action;
+  return OnScanner(std::move(action), unknown.scanner);
+}
+
+LinearPrior BeamPrior(const BeamUnknown& unknown) {
+  const auto n = static_cast<Eigen::Index>(unknown.num_beams());
+  const auto measured = static_cast<double>(unknown.NumMeasured());
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (unknown.ends[static_cast<std::size_t>(k)] > 0) mean[k] = 1.0 / std::sqrt(measured);
+  }
+  Eigen::MatrixXd R = Eigen::MatrixXd::Identity(n, n);
+  R += (1.0 / kMeanOverSigma - 1.0) * mean * mean.transpose();
+  return {{VectorKind(static_cast<int>(n))},
+          Eigen::VectorXd::Zero(n),
+          R / unknown.sigma,
+          Eigen::VectorXd::Zero(n)};
+}
+
+}  // namespace dn
