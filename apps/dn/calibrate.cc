@@ -3,6 +3,7 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/adjustment/words.h>
 #include <dn/axis_names.h>
+#include <dn/diagnosis/beams_output.h>
 #include <dn/diagnosis/control_output.h>
 #include <dn/files/pair_clock.h>
 #include <dn/files/scanners.h>
@@ -299,7 +300,8 @@ struct NetworkRun {
   std::vector<UnknownEstimate> unknowns;
   PoseInterpolator poses;  ///< poses of the adjusted trajectory
   std::vector<PairResidual> pairs;
-  ScannerMountings mountings;  ///< of several scanners
+  ScannerMountings mountings;          ///< of several scanners
+  std::vector<BeamCorrections> beams;  ///< of scanners with several beams
 
   /// Returns the boresights of all scanners, and that of the result.
   std::vector<NamedBoresight> Boresights() const {
@@ -319,7 +321,7 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   std::vector<PairResidual> pairs = PairResiduals(solution.network(), poses);
   NetworkRun out{
       nullptr,          solution.CheckedBoresight(), solution.CheckedUnknowns(), std::move(poses),
-      std::move(pairs), solution.CheckedMountings()};
+      std::move(pairs), solution.CheckedMountings(), CheckedBeams(solution)};
   out.flight_run = std::move(flight_run);
   return out;
 }
@@ -359,6 +361,7 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
                       flight_run.solution->trajectory(), flight_run.solution->model_check(),
                       network.boresight, network.unknowns, network.pairs, flight_run.timings);
   AddScannersJson(network.mountings, &json);
+  AddBeamsJson(network.beams, true, &json);
   if (flight_run.noise) json["noise"] = NoiseJson(*flight_run.noise);
   const std::string result = FormatJson(json);
   run->AddFile("result" + suffix + ".json", result);
@@ -403,6 +406,7 @@ void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run
   AddNetworkFiles(network, options, "", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   fmt::print("{}", ScannersSummary(network.mountings));
+  fmt::print("{}", BeamsSummary(network.beams, true));
   if (options.georef) {
     AddNewStrips(network.flight_run->flight.config, network.boresight,
                  &network.flight_run->trajectory, &run);

@@ -1,5 +1,6 @@
 #include <dn/adjustment/unknown_noise.h>
 #include <dn/adjustment/words.h>
+#include <dn/builder/beam_unknowns.h>
 #include <dn/diagnosis/model_check.h>
 #include <dn/diagnosis/scanner_mountings.h>
 #include <dn/distributions.h>
@@ -262,11 +263,22 @@ class Checker {
     return form.label_name[static_cast<std::size_t>(worst)];
   }
 
+  /// Returns the estimated effects, then the corrections of beams.
+  std::vector<BlockId> ReportedUnknowns() const {
+    std::vector<BlockId> unknowns = EffectUnknowns(network_);
+    for (const EffectBlock& effect : network_.calibration().effects()) {
+      if (IsBeamUnknown(effect.name) && !network_.net().block(effect.id).held) {
+        unknowns.push_back(effect.id);
+      }
+    }
+    return unknowns;
+  }
+
   /// Returns the score of the hypotheses. Its shift has the watched unknowns first, then the
-  /// estimated effects, then the mountings of several scanners, then the control.
+  /// ReportedUnknowns, then the mountings of several scanners, then the control.
   JointScore ScoreHypotheses() const {
     std::vector<BlockId> shifted = watched_;
-    for (const BlockId unknown : EffectUnknowns(network_)) shifted.push_back(unknown);
+    for (const BlockId unknown : ReportedUnknowns()) shifted.push_back(unknown);
     for (const BlockId unknown : MountingUnknowns(network_)) shifted.push_back(unknown);
     for (const BlockId block : ControlDeviations(network_)) shifted.push_back(block);
     return ScoreEffects(marginals_, library_.blocks, shifted);
@@ -309,7 +321,7 @@ class Checker {
       effects.posterior = unmodelled.Posterior();
     }
     Eigen::Index row = watched;
-    for (const BlockId unknown : EffectUnknowns(network_)) {
+    for (const BlockId unknown : ReportedUnknowns()) {
       const BlockRecord& block = network_.net().block(unknown);
       const Eigen::Index size = block.kind.tangent_size;
       effects.unknowns.push_back(

@@ -62,7 +62,7 @@ class Columns {
     const std::optional<std::size_t>& bridge = first ? edge.bridge_i : edge.bridge_j;
     const LaserShot shot = first ? ShotI(edge.pair) : ShotJ(edge.pair);
     const LidarReading reading =
-        Corrected(lidar_, values_.data(), shot.tag_s, shot.u_s, shot.scanner);
+        Corrected(lidar_, values_.data(), shot.tag_s, shot.u_s, shot.scanner, shot.beam);
     const auto scanner = static_cast<std::size_t>(shot.scanner);
     const PointSensitivity point = network_.pairs().EndSensitivity(end);
     Matrix3Xd end_columns = Matrix3Xd::Zero(3, columns.cols());

@@ -169,6 +169,7 @@ void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
   append(PairSection(folder, one.result, one.suffix));
   append(BoresightSection(one.result));
   append(ScannerSection(one.result));
+  append(BeamSection(one.result));
   append(ControlSection(one.result));
   append(ModelCheckSection(one.result));
   append(BiasCorrelationSection(one.result["correlations"]));

@@ -72,6 +72,9 @@ Section ControlSection(const Facts& result);
 /// Returns the boresights of several scanners, and the relative mountings of every two.
 Section ScannerSection(const Facts& result);
 
+/// Returns the corrections of the beams of scanners with several beams.
+Section BeamSection(const Facts& result);
+
 /// Returns the detection limits of `could_still_hide`: the sizes from which each effect is
 /// detectable and identifiable, and the shift of the boresight.
 Section UndetectableSection(const Facts& effects);

@@ -95,6 +95,7 @@ Document StudyPage(const ResultFolder& folder) {
       Chart{Correlations("Correlation of the angles [%]", AxisNames(kRollPitchYaw),
                          AxisNames(kRollPitchYaw), study["boresight"]["correlation"])});
   Append(std::move(boresight), &document);
+  Append(BeamSection(study), &document);
   Append(BiasCorrelationSection(study["correlations"]), &document);
   Append(CorrelationsOverTime(folder), &document);
   Append(UndetectableSection(study["could_still_hide"]), &document);

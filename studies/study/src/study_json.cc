@@ -1,3 +1,4 @@
+#include <dn/diagnosis/beams_output.h>
 #include <dn/diagnosis/result_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
@@ -107,6 +108,7 @@ Json StudyJson(const StudyResult& study) {
               {"gnss_epochs", study.gnss_epochs},
               {"correspondences", study.pairs}}}};
   AddPredictedScannersJson(study.mountings, &json);
+  AddBeamsJson(study.beams, false, &json);
   return json;
 }
 

@@ -1,4 +1,5 @@
 #include <dn/axis_names.h>
+#include <dn/diagnosis/beams_output.h>
 #include <dn/diagnosis/result_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/report/wrapped.h>
@@ -85,6 +86,7 @@ std::string StudySummary(const StudyResult& study) {
   }
   text += BoresightLines(study.boresight) + ContributionsSummary(study.boresight);
   text += ScannerLines(study.mountings) + UnknownLines(study.unknowns);
+  text += BeamsSummary(study.beams, false);
   text += fmt::format(
       "trajectory on the strips, sigma: roll and pitch {:.5f} deg, yaw {:.5f} deg, position {:.4f} "
       "m\n",

@@ -56,7 +56,7 @@ struct UnmodelledEffects {
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
   /// The part of covariance_rad2 that is from noise beyond the stated one, not from effects.
   Eigen::Matrix3d noise_covariance_rad2 = Eigen::Matrix3d::Zero();
-  std::vector<UnknownChange> unknowns;            ///< those of the section `estimate`
+  std::vector<UnknownChange> unknowns;            ///< those of `estimate`, and of beams
   std::vector<EffectContribution> contributions;  ///< the largest first
   /// Change of MountingUnknowns in a flight with several scanners, and the covariance added. The
   /// contributions are those to the boresight of each scanner.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/adjustment/beams.h>
 #include <dn/adjustment/bias_correlation.h>
 #include <dn/adjustment/result.h>
 #include <dn/diagnosis/solution.h>
@@ -86,6 +87,7 @@ struct StudyResult {
   BoresightResult boresight;  ///< its angles are those of the design; no finding contradicts
   std::vector<StudyUnknown> unknowns;
   ScannerMountings mountings;              ///< of several scanners
+  std::vector<BeamCorrections> beams;      ///< of scanners with several beams; the values are zero
   std::vector<Unobservable> unobservable;  ///< unknowns other than the boresight
   StripSigmas strips;
   std::vector<TrajectorySigma> trajectory;      ///< at the nodes

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <dn/adjustment/beams.h>
+#include <dn/diagnosis/solution.h>
+#include <dn/report/json.h>
+
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// Returns the corrections of the beams of all scanners with the effects that the model leaves out.
+std::vector<BeamCorrections> CheckedBeams(const Solution& solution);
+
+/// Adds `beams` to a result file: a list with an element per scanner. Each has the number of ends of
+/// pairs of each beam, and for `angle` and `range_offset` value, sigma, sigma of the prior and
+/// whether it is observable; the value of a beam that is not observable is null. Adds nothing
+/// without beams. Without values, for a study, there are only sigmas.
+void AddBeamsJson(const std::vector<BeamCorrections>& beams, bool with_values, Json* json);
+
+/// Returns a table of the corrections with their sigmas, and names the beams that are not
+/// observable; empty without beams.
+std::string BeamsSummary(const std::vector<BeamCorrections>& beams, bool with_values);
+
+}  // namespace dn
