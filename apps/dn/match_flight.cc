@@ -180,6 +180,7 @@ MatchedFlight MatchFlightStrips(FlightConfig given, const std::string& trajector
   MatchedFlight matched = OpenFlightStrips(std::move(given), trajectory, filter, run);
   const FlightConfig& config = matched.config;
   if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
+  if (config.lidar->beams) options.beams = static_cast<int>(config.lidar->beams->count);
   const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());
   options.sigma_ned_m << stated.sigma_xy_m, stated.sigma_xy_m, stated.sigma_z_m;
   options.sigma_rph_rad << stated.sigma_rp_rad, stated.sigma_rp_rad, stated.sigma_y_rad;

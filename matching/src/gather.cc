@@ -74,6 +74,17 @@ double Share(std::uint64_t i) {
 
 }  // namespace
 
+CellPoints CellPoints::WithBeam(int number) const {
+  CellPoints points;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (beam[i] != number) continue;
+    points.t_s.push_back(t_s[i]);
+    points.x.push_back(x[i]);
+    points.p_m.push_back(p_m[i]);
+  }
+  return points;
+}
+
 std::vector<CellPoints> Gather(const MatchSource& source, std::size_t strip,
                                const std::vector<GatherCell>& cells, int threads,
                                const std::function<void(std::uint64_t)>& told) {
@@ -91,6 +102,7 @@ std::vector<CellPoints> Gather(const MatchSource& source, std::size_t strip,
         gathered[k].t_s.push_back(points.t_s[i]);
         gathered[k].x.push_back(points.x[i]);
         gathered[k].p_m.push_back(p_m[i]);
+        if (!points.beam.empty()) gathered[k].beam.push_back(points.beam[i]);
       });
     }
     told(read += points.size());

@@ -222,7 +222,7 @@ class Matcher {
     Tell("density of strip " + source_.strips().front().name);
     const double spacing_m = GsdFromDensity(source_, options_.threads);
     const double gsd_m = options_.gsd_m.value_or(spacing_m);
-    if (gsd_m >= kLeastShareOfSpacing * spacing_m) return gsd_m;
+    if (gsd_m >= kLeastShareOfSpacing * spacing_m) return std::sqrt(options_.beams) * gsd_m;
     throw InvalidConfig(
         fmt::format("the ground sampling distance is set to {:.3g} m, but strip {} has one point "
                     "per {:.2g} m by {:.2g} m; give at least {:.2g} m (--gsd, or lidar.gsd_m of "
@@ -382,9 +382,12 @@ class Matcher {
     return matching_internal::MedianByAxis(shifts_m);
   }
 
+  /// Returns the largest number of points per square ground sampling distance, of all beams.
+  double MostPoints() const { return kMostPoints_gsd2 * options_.beams; }
+
   double KeepShare(std::size_t strip) const {
     const double gsd_m = result_.gsd_m;
-    return std::min(1.0, kMostPoints_gsd2 / (samples_[strip].point_density_m2 * gsd_m * gsd_m));
+    return std::min(1.0, MostPoints() / (samples_[strip].point_density_m2 * gsd_m * gsd_m));
   }
 
   /// Registers the cells until there are enough pairs.
@@ -392,8 +395,8 @@ class Matcher {
                                   const std::vector<Place>& places) const {
     std::vector<Work> work;
     const double root_gsd = kRasterCell_gsd * kRootCells;
-    const auto at_once =
-        static_cast<std::size_t>(kPointsAtOnce / (kMostPoints_gsd2 * root_gsd * root_gsd));
+    const auto at_once = std::max<std::size_t>(
+        1, static_cast<std::size_t>(kPointsAtOnce / (MostPoints() * root_gsd * root_gsd)));
     for (std::size_t first = 0; first < roots.size(); first += at_once) {
       const std::size_t past = std::min(roots.size(), first + at_once);
       RegisterSome(match,
@@ -438,6 +441,40 @@ class Matcher {
 
   std::vector<Work> RegisterRoot(std::size_t i, const GroundCell& root, const Vector3d& start_m,
                                  const CellPoints& in_a, const CellPoints& in_b) const {
+    if (options_.beams > 1) return RegisterBeams(i, root, start_m, in_a, in_b);
+    return RegisterPoints(i, root, start_m, in_a, in_b);
+  }
+
+  /// Registers every beam of the first strip with a beam of the second one. The difference of their
+  /// numbers varies from cell to cell.
+  std::vector<Work> RegisterBeams(std::size_t i, const GroundCell& root, const Vector3d& start_m,
+                                  const CellPoints& in_a, const CellPoints& in_b) const {
+    std::vector<Work> work;
+    if (in_a.size() == 0 || in_b.size() == 0) return work;
+    if (in_a.beam.empty() || in_b.beam.empty()) FailWithoutBeams();
+    const double cells = root.centre_en_m.sum() / (2.0 * root.half_m);
+    const int beams = options_.beams, apart = static_cast<int>(std::floor(cells)) % beams + beams;
+    for (int beam = 0; beam < beams; ++beam) {
+      const int other = (beam + apart) % beams;
+      for (Work& each :
+           RegisterPoints(i, root, start_m, in_a.WithBeam(beam), in_b.WithBeam(other))) {
+        each.pair.pair.beam_i = beam;
+        each.pair.pair.beam_j = other;
+        work.push_back(std::move(each));
+      }
+    }
+    return work;
+  }
+
+  [[noreturn]] void FailWithoutBeams() const {
+    throw InvalidInput(
+        "the points have no beam, but lidar.beams is given: add the column (text) or the extra "
+        "bytes (LAS) `beam`, or leave out the key",
+        {source_.strips().front().files.front().string()});
+  }
+
+  std::vector<Work> RegisterPoints(std::size_t i, const GroundCell& root, const Vector3d& start_m,
+                                   const CellPoints& in_a, const CellPoints& in_b) const {
     std::vector<Work> work;
     if (in_a.size() == 0 || in_b.size() == 0) return work;
     const double gsd_m = result_.gsd_m;

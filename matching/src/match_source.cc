@@ -83,6 +83,7 @@ StripCounts FlightMatchSource::Read(std::size_t strip,
                         for (std::size_t i = 0; i < vectors.size(); ++i) {
                           if (BelongsTo(wanted, vectors.source, i)) {
                             kept.Add(vectors.t_s[i], vectors.u_s[i]);
+                            if (!vectors.beam.empty()) kept.beam.push_back(vectors.beam[i]);
                           }
                         }
                         counts.kept += kept.size();
@@ -127,6 +128,7 @@ StripCounts BareMatchSource::Read(std::size_t strip,
           ++counts.dropped[reason];
         } else {
           kept.Add(points.t_s.empty() ? 0.0 : points.t_s[i], points.p_c[i] - origin_c_m_);
+          if (!points.beam.empty()) kept.beam.push_back(points.beam[i]);
         }
       }
       counts.points += points.size();

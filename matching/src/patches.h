@@ -28,8 +28,12 @@ struct CellPoints {
   std::vector<double> t_s;
   std::vector<Eigen::Vector3d> x;
   std::vector<Eigen::Vector3d> p_m;
+  std::vector<std::uint16_t> beam;  ///< empty if unknown
 
   std::size_t size() const { return t_s.size(); }
+
+  /// Returns the points of one beam.
+  CellPoints WithBeam(int number) const;
 };
 
 /// Returns the points of a strip in each square, from one pass through its files.

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "testing/expect_invalid.h"
 #include "testing/las_bytes.h"
@@ -22,12 +24,17 @@ constexpr double kEdge_m = 150.0;
 constexpr int kPoints = 80000;
 const Vector3d kShift_m(1.31, -0.87, 0.42);
 
-std::string Strip(const std::vector<Vector3d>& points_m, double t0_s) {
+constexpr double kInterval_s = 1e-4;
+
+/// Returns the text of a strip; with several beams, they measure the points in turn.
+std::string Strip(const std::vector<Vector3d>& points_m, double t0_s, std::size_t beams = 1) {
   std::string text;
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    text += FormatDouble(t0_s + 1e-4 * static_cast<double>(i));
+    text += FormatDouble(t0_s + kInterval_s * static_cast<double>(i));
     for (int axis = 0; axis < 3; ++axis) text += ", " + FormatDouble(points_m[i][axis]);
-    text += ", 0, 0, 100\n";
+    text += ", 0, 0, 100";
+    if (beams > 1) text += ", " + std::to_string(i % beams);
+    text += "\n";
   }
   return text;
 }
@@ -96,6 +103,43 @@ TEST_F(BareStripsManyRuns, TheResultDoesNotDependOnTheThreads) {
         FormatJson(MatchJson("", result, source)) + FormatMatches(result.strip_pairs[0]);
   }
   EXPECT_EQ(text[0], text[1]);
+}
+
+TEST_F(BareStrips, EachEndOfAPairHasOneBeam) {
+  constexpr int kBeams = 4;
+  const RoughTown town;
+  const auto write = [&](const char* name, const Vector3d& shift_m, double t0_s, unsigned seed) {
+    folder_.Write(name, Strip(town.Points(kPoints, kEdge_m, 0.02, shift_m, seed), t0_s, kBeams));
+  };
+  write("1.txt", Vector3d::Zero(), 1000.0, 1);
+  write("2.txt", kShift_m, 2000.0, 2);
+  BareMatchSource source = Source();
+  MatchOptions options;
+  options.search_m = 5.0;
+  options.beams = kBeams;
+  const MatchResult result = MatchBareStrips(&source, options);
+  EXPECT_NEAR(result.gsd_m, 2.0 * kEdge_m / std::sqrt(kPoints), 0.2);
+  const auto measured = [&](double t_s, double t0_s) {
+    return static_cast<int>(std::lround((t_s - t0_s) / kInterval_s)) % kBeams;
+  };
+  std::set<std::pair<int, int>> beams;
+  for (const MatchedPair& pair : result.strip_pairs.at(0).pairs) {
+    EXPECT_EQ(pair.pair.beam_i, measured(pair.pair.t_i_s, 1000.0));
+    EXPECT_EQ(pair.pair.beam_j, measured(pair.pair.t_j_s, 2000.0));
+    EXPECT_LT((pair.p_j_m - pair.p_i_m - kShift_m).norm(), result.gsd_m);
+    beams.insert({pair.pair.beam_i, pair.pair.beam_j});
+  }
+  EXPECT_GE(beams.size(), 4u);
+}
+
+TEST_F(BareStrips, PointsWithoutBeamsAreRefusedWhereTheScannerHasSome) {
+  Write(RoughTown());
+  BareMatchSource source = Source();
+  MatchOptions options;
+  options.search_m = 5.0;
+  options.beams = 4;
+  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); }, "the points have no beam",
+                           "1.txt");
 }
 
 TEST_F(BareStrips, FlatGroundGivesNoPairs) {

@@ -28,6 +28,9 @@ struct MatchOptions {
   /// Position sigmas of the trajectory.
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d(0.03, 0.03, 0.05);
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d(5e-5, 5e-5, 9e-5);
+  /// Number of beams of the scanner. With several beams, each pair is registered from the points of
+  /// one beam on each side, and a ground sampling distance is increased to that of one beam.
+  int beams = 1;
   std::uint64_t seed = 0;
   int threads = 1;
   /// Called with the stage and its progress; may throw to stop the work.

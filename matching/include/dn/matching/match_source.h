@@ -19,11 +19,13 @@ struct RawPoints {
   std::vector<double> t_s;
   /// Laser vector for a flight, position for bare strips, m.
   std::vector<Eigen::Vector3d> x;
+  std::vector<std::uint16_t> beam;  ///< number of the laser beam; empty if unknown
 
   std::size_t size() const { return t_s.size(); }
   void Clear() {
     t_s.clear();
     x.clear();
+    beam.clear();
   }
   void Add(double t, const Eigen::Vector3d& point) {
     t_s.push_back(t);
