@@ -12,6 +12,7 @@ FILES = {
     "IMU.txt": (CALIBRATE, CALIBRATE, SMOOTH, CHECK),
     "GPS.txt": (CALIBRATE, CALIBRATE, SMOOTH, CHECK),
     "lidar/1_2.txt": (CALIBRATE, CALIBRATE, CALIBRATE, GAUSS_HELMERT, CHECK),
+    "lidar_b/1_2.txt": (CALIBRATE, CALIBRATE, CHECK),
     "control/points.txt": (CALIBRATE, CHECK),
     "control/checks.txt": (CALIBRATE, CHECK),
     "trajectory.out": (GAUSS_HELMERT, GAUSS_HELMERT, ALL),
@@ -37,6 +38,8 @@ STRANGE_NAMES = [
 def lay(arena, name):
     """Writes an undamaged file. If the flight lacks it, it is made from the trajectory."""
     path = arena.flight / name
+    if name.startswith("lidar_b"):
+        arena.write("flight.yaml", arena.base.yaml_two)
     sbet = arena.flight / "trajectory.out"
     if not path.exists():
         content = sbet.read_bytes()

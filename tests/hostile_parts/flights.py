@@ -149,6 +149,18 @@ SECOND_SCANNER = [
     ("lever_arm_m: [0.14, -0.02, 0.21]", "lever_arm_m: [0.3, 0, 0.1]"),
     ("boresight_deg: [0.2, 0.03, 0.35]", "boresight_deg: [-0.4, 0.5, 0.1]"),
     ("p2p: [lidar/1_2.txt]", "p2p: [lidar_b/1_2.txt]"),
+    ("fov_deg: 75", """fov_deg: 75
+  beams:
+    angles_deg: [-10, 0, 10]
+    rotation_hz: 10
+    angle_error_deg: [0.05, 0, -0.05]
+    range_error_m: [0.01, -0.01, 0]"""),
+    ("robust: none", """robust: none
+  beams:
+    count: 3
+    angles_deg: [-10, 0, 10]
+    angle_sigma_deg: 0.1
+    range_offset_sigma_m: 0.03"""),
 ]
 PAIRS_BETWEEN = """pairs_between:
   - scanners: [a, b]
@@ -158,7 +170,10 @@ PAIRS_BETWEEN = """pairs_between:
 
 
 def with_two_scanners(text):
-    """Returns a flight.yaml or scenario with a list of two scanners in place of one."""
+    """Returns a flight.yaml or scenario with a list of two scanners in place of one.
+
+    The second scanner has three beams.
+    """
     begin = text.index("lidar:\n") + len("lidar:\n")
     end = next(i for i in range(begin, len(text)) if text[i - 1] == "\n" and text[i] != " ")
     first = text[begin:end]

@@ -26,7 +26,7 @@ class Rows:
     def times(self):
         """Returns the columns with time tags; pairs have two, control points have the eighth."""
         columns = len(self.cells[0])
-        return (0, 1) if columns in (8, 14) else (7,) if columns == 11 else (0,)
+        return (0, 1) if columns in (8, 10, 14, 16) else (7,) if columns == 11 else (0,)
 
     def another(self, count):
         return self.rng.randrange(count)
