@@ -16,7 +16,7 @@ namespace {
 using Fields = std::vector<std::string_view>;
 
 constexpr std::size_t kLeastColumns = 4;
-// A file with more lines before its first row is no table.
+// A file with more lines before its first row is not a table.
 constexpr std::size_t kMostHeaderLines = 10000;
 
 bool BeginsWithNumber(const Fields& fields) {
