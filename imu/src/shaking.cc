@@ -1,3 +1,4 @@
+#include <dn/geo/local_frame.h>
 #include <dn/imu/shaking.h>
 #include <dn/median.h>
 
@@ -21,7 +22,6 @@ constexpr std::size_t kMostLines = 6;
 // Power relative to that of white noise up to which a record counts as calm.
 constexpr double kCalmExcess = 0.1;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kDegPerRadian = 180.0 / std::numbers::pi;
 
 using Floors = std::array<double, ImuSpectrum::kAxes>;
 
@@ -183,7 +183,7 @@ std::optional<Shaking> FindShaking(const ImuData& imu) {
 std::string Describe(const Shaking& shaking) {
   char text[200];
   std::snprintf(text, sizeof(text), "%.2g m/s^2 and %.2g deg/s rms from %.0f to %.0f Hz",
-                shaking.accel_mps2.maxCoeff(), kDegPerRadian * shaking.rate_radps.maxCoeff(),
+                shaking.accel_mps2.maxCoeff(), kDegPerRad * shaking.rate_radps.maxCoeff(),
                 shaking.low_hz, shaking.high_hz);
   std::string all = text;
   for (std::size_t k = 0; k < shaking.lines.size(); ++k) {
@@ -196,8 +196,8 @@ std::string Describe(const Shaking& shaking) {
       text, sizeof(text),
       "; it turns the sensor by %.2g mdeg and shifts it by %.2g mm rms; unresolved coning "
       "is at most %.2g deg/h, and sculling %.2g mg",
-      1e3 * kDegPerRadian * shaking.turn_rad, 1e3 * shaking.shift_m,
-      3600.0 * kDegPerRadian * shaking.coning_radps, shaking.sculling_mps2 / 9.80665e-3);
+      1e3 * kDegPerRad * shaking.turn_rad, 1e3 * shaking.shift_m,
+      3600.0 * kDegPerRad * shaking.coning_radps, shaking.sculling_mps2 / 9.80665e-3);
   return all + text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <dn/error.h>
 #include <dn/files/scanners.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
@@ -12,8 +13,7 @@
 namespace dn::files_internal {
 namespace {
 
-constexpr double kDegPerRadian = 180.0 / 3.14159265358979323846;
-constexpr double kLeastToleranceRad = 1.0 / kDegPerRadian;
+constexpr double kLeastToleranceRad = 1.0 / kDegPerRad;
 constexpr double kToleranceSigmas = 10.0;
 
 /// The ends of pairs that one scanner with several beams measured.
@@ -82,7 +82,7 @@ class ScannerBeams {
   }
 
   static std::string Degrees(double rad) {
-    return FormatDouble(std::round(rad * kDegPerRadian * 100.0) / 100.0);
+    return FormatDouble(std::round(rad * kDegPerRad * 100.0) / 100.0);
   }
   std::string Key() const {
     return "lidar.beams" + (lidar_.name.empty() ? "" : " of scanner " + lidar_.name);
