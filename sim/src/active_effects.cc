@@ -32,6 +32,7 @@ double ScanLean(const ActiveEffects& effects, const LidarScenario& lidar,
 }
 
 LidarSpan LidarEpochSpan(const std::vector<StripInterval>& strips) {
+  if (strips.empty()) return {};
   LidarSpan span{strips.front().t0_s, strips.front().t1_s};
   for (const StripInterval& strip : strips) {
     span = {std::min(span.first_s, strip.t0_s), std::max(span.last_s, strip.t1_s)};
@@ -40,6 +41,7 @@ LidarSpan LidarEpochSpan(const std::vector<StripInterval>& strips) {
 }
 
 LidarSpan LidarEpochSpan(const std::vector<LidarPair>& pairs) {
+  if (pairs.empty()) return {};
   LidarSpan span{pairs.front().t_i_s, pairs.front().t_i_s};
   for (const LidarPair& pair : pairs) {
     span.first_s = std::min({span.first_s, pair.t_i_s, pair.t_j_s});

@@ -26,7 +26,7 @@ struct LidarSpan {
   double middle_s() const { return 0.5 * (first_s + last_s); }
 };
 
-/// Returns the span from the first to the last epoch.
+/// Returns the span from the first to the last epoch, 0 to 0 without any.
 LidarSpan LidarEpochSpan(const std::vector<StripInterval>& strips);
 LidarSpan LidarEpochSpan(const std::vector<LidarPair>& pairs);
 

@@ -246,6 +246,24 @@ TEST(Simulate, ReplayFliesAGivenTrajectory) {
   EXPECT_THROW(Simulate(scenario, {}), InvalidInput);
 }
 
+TEST(Simulate, AFlightWithoutLinesHasNoStripsAndNoPairs) {
+  Scenario scenario = testing::SmallScenario();
+  scenario.pairs.count = 0;
+  const SimulatedFlight lines = Simulate(scenario, {});
+  std::vector<NavPoint> turn;
+  for (const NavPoint& point : lines.flight.reference->points()) {
+    if (point.t_s > lines.strips[0].t1_s && point.t_s < lines.strips[1].t0_s) turn.push_back(point);
+  }
+  const testing::TempFolder folder;
+  folder.Write("turn.out", FormatSbet(turn));
+  scenario.plan.replay = folder.path() / "turn.out";
+  scenario.plan.lines.clear();
+  const SimulatedFlight sim = Simulate(scenario, {});
+  EXPECT_TRUE(sim.strips.empty());
+  EXPECT_FALSE(sim.flight.pairs);
+  EXPECT_GT(sim.flight.gnss->epochs.size(), 3u);
+}
+
 TEST(Simulate, RejectsScenariosThatCannotBeFlown) {
   Scenario low = testing::SmallScenario();
   low.terrain.base_m = 195.0;
