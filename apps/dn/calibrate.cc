@@ -321,7 +321,7 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   std::vector<PairResidual> pairs = PairResiduals(solution.network(), poses);
   NetworkRun out{
       nullptr,          solution.CheckedBoresight(), solution.CheckedUnknowns(), std::move(poses),
-      std::move(pairs), solution.CheckedMountings(), CheckedBeams(solution)};
+      std::move(pairs), solution.CheckedMountings(), solution.CheckedBeams()};
   out.flight_run = std::move(flight_run);
   return out;
 }
@@ -377,7 +377,7 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
 /// Stages the strips of the flight with the boresight, unless that is not reliable. `adjusted`: the
 /// trajectory of the network; null: that of the flight.
 void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
-                  const Trajectory* adjusted, Run* run) {
+                  const std::vector<BeamCorrections>& beams, const Trajectory* adjusted, Run* run) {
   if (boresight.verdict == Verdict::kContradicted || boresight.verdict == Verdict::kNotObservable) {
     run->progress().Warn(fmt::format("the strips are not georeferenced: the boresight is {}",
                                      Word(boresight.verdict)));
@@ -391,6 +391,7 @@ void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
   GeoreferenceOptions& options = work.options;
   options = StatedGeoreferencing(config, run->options().threads);
   options.mounting.boresight_rad = boresight.angles_rad;
+  options.beams = ObservedErrors(beams, *config.lidar);
   if (adjusted != nullptr) {
     options.trajectory = *adjusted;
     work.config = WithTrajectory(config, (run->options().out / "trajectory.out").string());
@@ -408,7 +409,7 @@ void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run
   fmt::print("{}", ScannersSummary(network.mountings));
   fmt::print("{}", BeamsSummary(network.beams, true));
   if (options.georef) {
-    AddNewStrips(network.flight_run->flight.config, network.boresight,
+    AddNewStrips(network.flight_run->flight.config, network.boresight, network.beams,
                  &network.flight_run->trajectory, &run);
   }
   FailUnlessReliable(network.Boresights());
@@ -455,7 +456,7 @@ void RunGaussHelmert(const CalibrateOptions& options, const FlightConfig& config
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   FillReport(flight, gh, &run);
   PrintResult(flight.config, gh.calibration, gh.timings);
-  if (options.georef) AddNewStrips(flight.config, gh.calibration.boresight, nullptr, &run);
+  if (options.georef) AddNewStrips(flight.config, gh.calibration.boresight, {}, nullptr, &run);
   FailUnlessReliable({{kTheBoresight, &gh.calibration.boresight}});
 }
 
@@ -493,7 +494,7 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
                                {"solve", planes.timings.solve_s},
                                {"covariance", planes.timings.covariance_s}};
   PrintResult(flight.config, planes);
-  if (options.georef) AddNewStrips(flight.config, planes.calibration.boresight, nullptr, &run);
+  if (options.georef) AddNewStrips(flight.config, planes.calibration.boresight, {}, nullptr, &run);
   FailUnlessReliable({{kTheBoresight, &planes.calibration.boresight}});
 }
 
@@ -566,7 +567,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   fmt::print(
       "use the angles of dn (result.json): it uses all data; the other methods are checks of it\n");
   if (options.georef) {
-    AddNewStrips(network.flight_run->flight.config, network.boresight,
+    AddNewStrips(network.flight_run->flight.config, network.boresight, network.beams,
                  &network.flight_run->trajectory, &run);
   }
   FailUnlessReliable(results);

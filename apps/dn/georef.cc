@@ -5,12 +5,15 @@
 #include <dn/files/flight.h>
 #include <dn/files/georeference_strip.h>
 #include <dn/files/strip_files.h>
+#include <dn/files/yaml_sections.h>
 #include <dn/geo/text_table.h>
 #include <dn/interrupted.h>
+#include <dn/lidar/beam.h>
 #include <dn/names.h>
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <map>
 #include <utility>
 
 #include "command.h"
@@ -51,6 +54,7 @@ struct StoredBoresight {
   std::string verdict;  ///< empty: the file has none
   Vector3d angles_rad = Vector3d::Zero();
   Matrix3d covariance_rad2 = Matrix3d::Zero();
+  std::map<std::string, BeamErrors> beams = {};  ///< by the name of their scanner
 };
 
 [[noreturn]] void FailAngles(const std::string& text) {
@@ -86,11 +90,45 @@ StoredBoresight ReadBoresight(const JsonPlace& boresight) {
   return result;
 }
 
+/// Returns the values of a list, with 0 for each null: a beam that is not observable.
+std::vector<double> ReadCorrections(const JsonPlace& list, double to_si) {
+  std::vector<double> values;
+  for (const JsonPlace& one : list.Elements(kMostBeams)) {
+    values.push_back(one.is_null() ? 0.0 : to_si * one.Number());
+  }
+  return values;
+}
+
+BeamErrors ReadBeamErrors(const JsonPlace& beams) {
+  BeamErrors errors;
+  if (beams.Has("angle")) {
+    errors.angle_rad = ReadCorrections(beams.At("angle").At("value"), kRadPerDeg);
+  }
+  if (beams.Has("range_offset")) {
+    errors.range_m = ReadCorrections(beams.At("range_offset").At("value"), 1.0);
+  }
+  return errors;
+}
+
+/// Returns the errors of the beams of a scanner; nullopt if the result has none.
+std::optional<BeamErrors> FindBeams(const StoredBoresight& result, const LidarConfig& lidar) {
+  const auto found = result.beams.find(lidar.name);
+  if (found == result.beams.end()) return std::nullopt;
+  BeamErrors errors = found->second;
+  errors.scan_axis_s = lidar.scan_axis_s;
+  return errors;
+}
+
 StoredBoresight ReadResult(const fs::path& file) {
   try {
     const Json json = ReadJsonFile(file);
     const JsonPlace root(json, file.string());
     StoredBoresight result = ReadBoresight(root.At("boresight"));
+    if (root.Has("beams")) {
+      for (const JsonPlace& one : root.At("beams").Elements(kMostScanners)) {
+        result.beams.emplace(one.At("scanner").Text(), ReadBeamErrors(one));
+      }
+    }
     if (root.Has("method")) result.method = root.At("method").Text();
     if (root.Has("assessment")) result.verdict = root.At("assessment").At("verdict").Text();
     return result;
@@ -189,6 +227,7 @@ NewStrips Prepare(GeorefOptions given, Run& run) {
         std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
   }
   if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
+  if (result && given.boresight.empty()) options.beams = FindBeams(*result, *config.lidar);
   if (given.covariance) options.errors = ReadErrors(given, work.config, result);
   work.covariance = CovarianceJson(given, work.config);
   return work;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace dn {
 namespace {
@@ -81,27 +80,20 @@ std::string CorrectionLines(const BeamCorrections& beams, bool with_values) {
   return text + "\n" + Refusal(beams);
 }
 
-/// Adds the change by the effects that the model leaves out.
-void AddChange(const UnmodelledEffects::UnknownChange& change, BeamCorrections* beams) {
-  for (std::size_t k = 0; k < beams->value.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    beams->value[k] += beams->per_si * change.value[row];
-    beams->sigma[k] = std::hypot(beams->sigma[k], beams->per_si * std::sqrt(change.variance[row]));
-  }
-}
-
 }  // namespace
 
-std::vector<BeamCorrections> CheckedBeams(const Solution& solution) {
-  std::vector<BeamCorrections> all = ExtractBeams(solution.adjustment(), solution.marginals());
-  if (!solution.model_check().unmodelled) return all;
-  for (const UnmodelledEffects::UnknownChange& change :
-       solution.model_check().unmodelled->unknowns) {
-    for (BeamCorrections& beams : all) {
-      if (beams.unknown.name == change.name) AddChange(change, &beams);
+std::optional<BeamErrors> ObservedErrors(const std::vector<BeamCorrections>& beams,
+                                         const LidarConfig& lidar) {
+  if (beams.empty()) return std::nullopt;
+  BeamErrors errors{lidar.scan_axis_s, {}, {}};
+  for (const BeamCorrections& each : beams) {
+    std::vector<double>& values =
+        each.unknown.kind == Kind::kAngle ? errors.angle_rad : errors.range_m;
+    for (std::size_t k = 0; k < each.value.size(); ++k) {
+      values.push_back(each.IsObservable(k) ? each.value[k] / each.per_si : 0.0);
     }
   }
-  return all;
+  return errors;
 }
 
 void AddBeamsJson(const std::vector<BeamCorrections>& beams, bool with_values, Json* json) {

@@ -1,5 +1,6 @@
 #include "competing_effects.h"
 
+#include <dn/builder/beam_unknowns.h>
 #include <dn/distributions.h>
 #include <dn/effects/effect_table.h>
 
@@ -86,6 +87,16 @@ std::vector<BlockId> EffectUnknowns(const FlightNetwork& network) {
     if (!network.net().block(id).held) unknowns.push_back(id);
   }
   return unknowns;
+}
+
+std::vector<BlockId> BeamBlocks(const FlightNetwork& network) {
+  std::vector<BlockId> blocks;
+  for (const EffectBlock& effect : network.calibration().effects()) {
+    if (IsBeamUnknown(effect.name) && !network.net().block(effect.id).held) {
+      blocks.push_back(effect.id);
+    }
+  }
+  return blocks;
 }
 
 std::vector<CompetingEffectCheck> FindCompetingEffects(

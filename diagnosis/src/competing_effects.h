@@ -16,6 +16,9 @@ namespace dn::diagnosis_internal {
 /// boresight.
 std::vector<BlockId> EffectUnknowns(const FlightNetwork& network);
 
+/// Returns the blocks with the corrections of beams.
+std::vector<BlockId> BeamBlocks(const FlightNetwork& network);
+
 /// Finds competing effects, to first order: effects that explain the data as
 /// well as an estimated unknown if they replace it. Computes the shift of the
 /// watched unknowns by this replacement.

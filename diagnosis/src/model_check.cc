@@ -1,6 +1,5 @@
 #include <dn/adjustment/unknown_noise.h>
 #include <dn/adjustment/words.h>
-#include <dn/builder/beam_unknowns.h>
 #include <dn/diagnosis/model_check.h>
 #include <dn/diagnosis/scanner_mountings.h>
 #include <dn/distributions.h>
@@ -266,11 +265,7 @@ class Checker {
   /// Returns the estimated effects, then the corrections of beams.
   std::vector<BlockId> ReportedUnknowns() const {
     std::vector<BlockId> unknowns = EffectUnknowns(network_);
-    for (const EffectBlock& effect : network_.calibration().effects()) {
-      if (IsBeamUnknown(effect.name) && !network_.net().block(effect.id).held) {
-        unknowns.push_back(effect.id);
-      }
-    }
+    for (const BlockId block : BeamBlocks(network_)) unknowns.push_back(block);
     return unknowns;
   }
 

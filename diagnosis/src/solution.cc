@@ -7,12 +7,24 @@
 #include <cmath>
 #include <utility>
 
+#include "competing_effects.h"
 #include "gnss_process.h"
 #include "network_hypotheses.h"
 #include "unmodelled.h"
 
 namespace dn {
 namespace {
+
+/// Adds the changes by the effects that the model leaves out.
+void AddChanges(const std::vector<UnmodelledEffects::UnknownChange>& changes,
+                std::vector<BeamCorrections>* all) {
+  for (BeamCorrections& beams : *all) {
+    const auto change = std::find_if(changes.begin(), changes.end(), [&](const auto& one) {
+      return one.name == beams.unknown.name;
+    });
+    if (change != changes.end()) beams.AddChange(change->value, change->variance);
+  }
+}
 
 void AddVariance(const Eigen::Vector3d& variance, Eigen::Vector3d* sigma) {
   *sigma = (sigma->cwiseAbs2() + variance).cwiseSqrt();
@@ -64,6 +76,8 @@ std::optional<UnmodelledEffects> Solution::PredictEffects() const {
   const auto process =
       diagnosis_internal::AddGnssProcess(network(), marginals_.linearized(), &library);
   std::vector<BlockId> watched{network().calibration().boresight().id};
+  const std::vector<BlockId> beams = diagnosis_internal::BeamBlocks(network());
+  watched.insert(watched.end(), beams.begin(), beams.end());
   const std::vector<BlockId> mountings = MountingUnknowns(network());
   watched.insert(watched.end(), mountings.begin(), mountings.end());
   JointScore score = ScoreEffects(marginals_, library.blocks, watched);
@@ -75,6 +89,14 @@ std::optional<UnmodelledEffects> Solution::PredictEffects() const {
   UnmodelledEffects effects;
   effects.covariance_rad2 = added.topLeftCorner<3, 3>();
   effects.contributions = unknowns.Contributions({0});
+  Eigen::Index row = 3;
+  for (const BlockId beam : beams) {
+    const BlockRecord& block = network().net().block(beam);
+    const Eigen::Index values = block.kind.tangent_size;
+    effects.unknowns.push_back(
+        {block.name, Eigen::VectorXd::Zero(values), added.diagonal().segment(row, values)});
+    row += values;
+  }
   const auto size = 3 * static_cast<Eigen::Index>(mountings.size());
   effects.mountings_covariance = added.bottomRightCorner(size, size);
   return effects;
@@ -93,6 +115,19 @@ ScannerMountings Solution::CheckedMountings() const {
 ScannerMountings Solution::PredictedMountings() const {
   if (MountingUnknowns(network()).empty()) return {};
   return PredictMountings(adjustment_, marginals_, PredictEffects().value_or(UnmodelledEffects()));
+}
+
+std::vector<BeamCorrections> Solution::CheckedBeams() const {
+  std::vector<BeamCorrections> beams = ExtractBeams(adjustment_, marginals_);
+  if (model_check().unmodelled) AddChanges(model_check().unmodelled->unknowns, &beams);
+  return beams;
+}
+
+std::vector<BeamCorrections> Solution::PredictedBeams() const {
+  std::vector<BeamCorrections> beams = ExtractBeams(adjustment_, marginals_);
+  if (beams.empty()) return beams;
+  if (const auto effects = PredictEffects()) AddChanges(effects->unknowns, &beams);
+  return beams;
 }
 
 std::vector<UnknownEstimate> Solution::Unknowns() const {

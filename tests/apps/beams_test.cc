@@ -69,7 +69,7 @@ TEST_F(CliBeams, AStudyHasTheirSigmas) {
   const Json result = LoadJson(fs::path(Path("result")) / "result.json");
   for (std::size_t k = 0; k < 4; ++k) {
     const double sigma_deg = study["beams"][0]["angle"]["sigma"][k].get<double>();
-    EXPECT_NEAR(sigma_deg, result["beams"][0]["angle"]["sigma"][k].get<double>(), 0.4 * sigma_deg);
+    EXPECT_NEAR(sigma_deg, result["beams"][0]["angle"]["sigma"][k].get<double>(), 0.05 * sigma_deg);
   }
   EXPECT_FALSE(study["beams"][0]["angle"].contains("value"));
   EXPECT_THAT(run.out, HasSubstr("beam range offsets [m], sigma relative to their mean"));

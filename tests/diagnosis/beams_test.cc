@@ -140,9 +140,11 @@ TEST(BeamCorrections, ContainTheEffectsThatTheModelLeavesOut) {
   const Solution solution(sim.flight);
   const std::vector<BeamCorrections> pure =
       ExtractBeams(solution.adjustment(), solution.marginals());
-  const std::vector<BeamCorrections> checked = CheckedBeams(solution);
+  const std::vector<BeamCorrections> checked = solution.CheckedBeams();
+  const std::vector<BeamCorrections> predicted = solution.PredictedBeams();
   bool larger = false;
   for (std::size_t k = 0; k < 16; ++k) {
+    EXPECT_NEAR(predicted[0].sigma[k], checked[0].sigma[k], 0.05 * checked[0].sigma[k]);
     EXPECT_GE(checked[0].sigma[k], pure[0].sigma[k]);
     larger = larger || checked[0].sigma[k] > 1.0001 * pure[0].sigma[k];
     EXPECT_NEAR(checked[0].value[k], TrueCorrections(sim, checked[0])[k],

@@ -199,6 +199,22 @@ TEST_F(GeoreferenceStrip, TextHasItsOwnVectors) {
   }
 }
 
+TEST_F(GeoreferenceStrip, TheErrorsOfBeamsAreTakenOut) {
+  const std::string row = FormatDouble(kBegin_s + 1.0) + ", 1, 2, 3, 700, 3, 10";
+  folder_.Write("strip.txt", row + ", 1\n");
+  folder_.Write("plain.txt", row + "\n");
+  GeoreferenceOptions options = survey_.Options();
+  options.beams = BeamErrors{Vector3d::UnitY(), {0.0, 0.01}, {0.0, 2.0}};
+  Run(options, "map", "strip.txt");
+  const Vector3d u_s = options.beams->Remove({700, 3, 10}, 1);
+  EXPECT_NEAR(u_s.norm(), Vector3d(700, 3, 10).norm() - 2.0, 1e-9);
+  const MapPose pose = options.trajectory.MapPoseAt(kBegin_s + 1.0, survey_.motion.frame);
+  EXPECT_LT((ReadAll(Out("strip.txt")).p_c[0] - Georeference(pose, survey_.mounting, u_s)).norm(),
+            1e-6);
+  ExpectInvalidIn([&] { Run(options, "map", "plain.txt"); }, "no laser vectors with beams",
+                  "plain.txt");
+}
+
 TEST_F(GeoreferenceStrip, AKnownOffsetOfTheTagsIsTakenOut) {
   std::vector<double> tags_s = Epochs(20);
   std::string text;

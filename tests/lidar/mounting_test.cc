@@ -1,3 +1,6 @@
+#include <dn/error.h>
+#include <dn/lidar/beam.h>
+#include <dn/lidar/beam_errors.h>
 #include <dn/lidar/mounting.h>
 #include <dn/rotation.h>
 
@@ -47,6 +50,14 @@ TEST(LaserVectorInBody, ComposesMountingAndBoresight) {
 
 // Hand-computed values: the heading is east (body x is map x, body z is down) and the point lies
 // 100 m below the scanner.
+TEST(BeamErrors, AreRemovedFromTheVectorsOfTheirBeam) {
+  const BeamErrors errors{Eigen::Vector3d::UnitY(), {0.0, std::asin(0.6)}, {2.0, 5.0}};
+  EXPECT_LE((errors.Remove({0, 0, 100}, 0) - Eigen::Vector3d(0, 0, 98)).norm(), kRoundOff);
+  EXPECT_LE((errors.Remove({0, 0, 105}, 1) - Eigen::Vector3d(0, 60, 80)).norm(), 1e-13 * 105);
+  EXPECT_THROW(errors.Remove({0, 0, 100}, 2), InvalidInput);
+  EXPECT_THROW(errors.Remove({0, 0, 100}, kNoBeam), InvalidInput);
+}
+
 TEST(Georeference, PutsTheLaserVectorAtTheScannerNotAtTheBodyOrigin) {
   MapPose pose;
   pose.p_mb = Eigen::Vector3d(10, 20, 500);

@@ -10,6 +10,14 @@ bool BeamCorrections::IsObservable(std::size_t k) const {
   return unknown.ends[k] > 0 && 2.0 * sigma[k] * sigma[k] <= prior_sigma[k] * prior_sigma[k];
 }
 
+void BeamCorrections::AddChange(const Eigen::VectorXd& change, const Eigen::VectorXd& variance) {
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    value[k] += per_si * change[row];
+    sigma[k] = std::hypot(sigma[k], per_si * std::sqrt(variance[row]));
+  }
+}
+
 std::vector<std::size_t> BeamCorrections::NotObservable() const {
   std::vector<std::size_t> beams;
   for (std::size_t k = 0; k < value.size(); ++k) {

@@ -132,6 +132,9 @@ void AddNotEstimated(const FlightConfig& config, const std::vector<std::string>&
     if (HasName(estimated, entry.unknown)) continue;
     boresight->reasons.push_back({facts::NotEstimated{entry.unknown, because}});
   }
+  if (config.lidar && config.lidar->beams) {
+    boresight->reasons.push_back({facts::NotEstimated{"the error of each beam", because}});
+  }
 }
 
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,

@@ -77,6 +77,7 @@ class StripGeoreferencer::Work {
   GeoreferencedStrip Run(const fs::path& out, const std::function<void(std::uint64_t)>& progress) {
     const auto writer = reader_->MakeWriter(out, Additions());
     for (StripCloud points; reader_->Next(&points);) {
+      ExpectBeams(points);
       Renew(&points);
       writer->Append(points);
       progress(result_.points);
@@ -131,6 +132,20 @@ class StripGeoreferencer::Work {
     points->Drop(drop);
   }
 
+  Vector3d MeasuredVector(const StripCloud& points, std::size_t i) const {
+    const std::optional<BeamErrors>& beams = setup_.options.beams;
+    return beams ? beams->Remove(points.u_s[i], points.beam[i]) : points.u_s[i];
+  }
+
+  /// The corrections of beams need the beam of each point.
+  void ExpectBeams(const StripCloud& points) const {
+    if (!setup_.options.beams || (reader_->has_vectors() && !points.beam.empty())) return;
+    throw InvalidInput(
+        "the points have no laser vectors with beams, so that the result's corrections of the "
+        "beams cannot be applied; add the beams, or give the angles with --boresight",
+        Where());
+  }
+
   void RenewPoint(std::size_t i, StripCloud* points) {
     const double t_s = points->t_s[i] - setup_.options.time_offset_s;
     fates_[i] = setup_.paths.FindFate(t_s, reader_->has_vectors());
@@ -139,7 +154,7 @@ class StripGeoreferencer::Work {
       const Vector3d old_m = old_m_[i] = setup_.crs.ToMap(points->p_c[i]);
       const MapPose pose = setup_.paths.wanted().At(t_s);
       const Vector3d u_s = reader_->has_vectors()
-                               ? points->u_s[i]
+                               ? MeasuredVector(*points, i)
                                : LaserVectorTo(setup_.paths.maker().At(t_s), made_with_, old_m);
       const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
       points->p_c[i] = setup_.crs.FromMap(p_m);

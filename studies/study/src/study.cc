@@ -72,7 +72,7 @@ StudyResult Study(const StudyDesign& design, const Solution& solution) {
   result.geometry = ComputeGeometry(design);
   result.boresight = solution.PredictedBoresight();
   result.mountings = solution.PredictedMountings();
-  result.beams = ExtractBeams(solution.adjustment(), marginals);
+  result.beams = solution.PredictedBeams();
   result.correlations = BiasCorrelationOverTime(
       network, marginals, marginals.SolveColumns({network.calibration().boresight().id}));
   result.trajectory = TrajectorySigmas(network, marginals);

@@ -1,19 +1,23 @@
 #pragma once
 
 #include <dn/adjustment/beams.h>
-#include <dn/diagnosis/solution.h>
+#include <dn/files/flight_config.h>
+#include <dn/lidar/beam_errors.h>
 #include <dn/report/json.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace dn {
 
-/// Returns the corrections of the beams of all scanners with the effects that the model leaves out.
-std::vector<BeamCorrections> CheckedBeams(const Solution& solution);
+/// Returns the errors of the observable beams of the only scanner; those of the others are 0.
+/// Returns nullopt without beams.
+std::optional<BeamErrors> ObservedErrors(const std::vector<BeamCorrections>& beams,
+                                         const LidarConfig& lidar);
 
-/// Adds `beams` to a result file: a list with an element per scanner. Each has the number of ends of
-/// pairs of each beam, and for `angle` and `range_offset` value, sigma, sigma of the prior and
+/// Adds `beams` to a result file: a list with an element per scanner. Each has the number of ends
+/// of pairs of each beam, and for `angle` and `range_offset` value, sigma, sigma of the prior and
 /// whether it is observable; the value of a beam that is not observable is null. Adds nothing
 /// without beams. Without values, for a study, there are only sigmas.
 void AddBeamsJson(const std::vector<BeamCorrections>& beams, bool with_values, Json* json);

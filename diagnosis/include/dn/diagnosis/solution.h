@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/adjustment/adjust.h>
+#include <dn/adjustment/beams.h>
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/trajectory_covariance.h>
 #include <dn/diagnosis/model_check.h>
@@ -62,6 +63,14 @@ class Solution {
   /// Returns the mountings of several scanners with the covariances that they have if these effects
   /// are estimated; uses no residuals. Empty for one scanner.
   ScannerMountings PredictedMountings() const;
+
+  /// Returns the corrections of the beams of scanners with several beams, with the effects that the
+  /// model leaves out.
+  std::vector<BeamCorrections> CheckedBeams() const;
+
+  /// Returns these corrections of the pure model with the sigmas that they have if these effects
+  /// are estimated; uses no residuals.
+  std::vector<BeamCorrections> PredictedBeams() const;
 
   /// Returns the other estimated unknowns.
   std::vector<UnknownEstimate> Unknowns() const;

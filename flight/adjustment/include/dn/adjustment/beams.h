@@ -4,6 +4,7 @@
 #include <dn/builder/beam_unknowns.h>
 #include <dn/solvers/marginals.h>
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct BeamCorrections {
   /// Returns whether the pairs say more about beam k than its prior: its variance is at most half
   /// that of the prior.
   bool IsObservable(std::size_t k) const;
+  /// Adds a change of the values, and variances of independent errors, SI.
+  void AddChange(const Eigen::VectorXd& change, const Eigen::VectorXd& variance);
+
   /// Returns the numbers of the beams that are not observable.
   std::vector<std::size_t> NotObservable() const;
 };

@@ -13,12 +13,12 @@ namespace dn {
 
 /// Corrections of the beams of a scanner: a block with one value per beam.
 ///
-///   lidar_beam_angle   rad; true angle of the beam toward +scan_axis = angle of its vectors + value
+///   lidar_beam_angle   rad; true angle of the beam toward +scan_axis = that of its vectors + value
 ///   lidar_beam_range   m; measured range = true range + value
 ///
-/// Their prior are independent errors of the beams without the mean of the beams that measured
-/// pairs: a mean angle is a boresight or a lidar_scan_cone, a mean range is a lidar_range_offset.
-/// The mean of the corrections of these beams is therefore zero.
+/// Their prior is that of independent errors without the mean over the beams that measured pairs.
+/// A mean angle is a boresight or a lidar_scan_cone, a mean range is a lidar_range_offset. The mean
+/// of the corrections of these beams is therefore zero.
 struct BeamUnknown {
   enum class Kind { kAngle, kRange };
   Kind kind = Kind::kAngle;

@@ -4,6 +4,7 @@
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
+#include <dn/lidar/beam_errors.h>
 #include <dn/lidar/mounting.h>
 #include <dn/lidar/strip_surface.h>
 #include <dn/lidar/swath.h>
@@ -42,6 +43,8 @@ struct GeoreferenceOptions {
   /// Offset of the time tags, tag = t + value; the tags are not changed.
   double time_offset_s = 0.0;
   std::optional<StripErrors> errors;  ///< absent: no covariances
+  /// Errors that are removed from the laser vectors; the files must then have vectors and beams.
+  std::optional<BeamErrors> beams;
   /// Side of the cells of the surfaces, m; absent: no surfaces.
   std::optional<double> surface_cell_m;
   int threads = 1;
@@ -65,7 +68,7 @@ struct GeoreferencedStrip {
 ///
 ///   p = p_mb + R_mb (Exp([theta]x) R_bs_nominal u + a)
 ///
-/// with the laser vectors u of the file. If the file has none,
+/// with the laser vectors u of the file, without the errors of their beams. If the file has none,
 ///
 ///   u = R_bs_nominal^T Exp(-[theta']x) (R'_mb^T (p' - p'_mb) - a')
 ///
