@@ -1,5 +1,6 @@
 #include <dn/builder/beam_unknowns.h>
 #include <dn/builder/calibration_state.h>
+#include <dn/error.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,6 +55,28 @@ TEST(BeamUnknowns, AreTheAnglesAndRangesOfTheMeasuredBeams) {
   EXPECT_EQ(FindBeamUnknowns(flight).size(), 1u);
   for (LidarPair& pair : flight.pairs->pairs) pair.beam_i = pair.beam_j = kNoBeam;
   EXPECT_TRUE(FindBeamUnknowns(flight).empty());
+}
+
+TEST(BeamUnknowns, ABeamThatDoesNotExistIsRefused) {
+  Flight flight = BeamFlight();
+  flight.pairs->pairs[0].beam_j = kBeams;
+  EXPECT_THROW(FindBeamUnknowns(flight), InvalidInput);
+}
+
+TEST(BeamUnknowns, OfASecondScannerHaveItsNameAndActOnItsReadings) {
+  Flight flight = BeamFlight();
+  flight.config.more_scanners = {*flight.config.lidar};
+  flight.config.more_scanners[0].name = "angle";
+  flight.config.lidar->beams.reset();
+  for (LidarPair& pair : flight.pairs->pairs) pair.scanner_i = pair.scanner_j = 1;
+  const std::vector<BeamUnknown> unknowns = FindBeamUnknowns(flight);
+  ASSERT_EQ(unknowns.size(), 2u);
+  EXPECT_EQ(unknowns[1].name, "lidar_beam_range/angle");
+  const auto effect = std::get<std::shared_ptr<const LidarEffect>>(BeamAction(flight, unknowns[1]));
+  const Vector3d value(1.0, 2.0, 3.0), u_s(100.0, 0.0, 0.0);
+  const double* const values = value.data();
+  EXPECT_EQ(Corrected({effect}, &values, 100.0, u_s, 0, 1).u_s, u_s);
+  EXPECT_EQ(Corrected({effect}, &values, 100.0, u_s, 1, 1).u_s, Vector3d(98.0, 0.0, 0.0));
 }
 
 TEST(BeamUnknowns, DerivativesAgreeWithDifferences) {

@@ -1,4 +1,5 @@
 #include <dn/builder/beam_unknowns.h>
+#include <dn/error.h>
 #include <dn/files/scanners.h>
 
 #include <algorithm>
@@ -20,8 +21,12 @@ constexpr double kMeanOverSigma = 1e-3;
 std::vector<long> CountEnds(const Flight& flight, std::size_t scanner, std::size_t beams) {
   std::vector<long> ends(beams, 0);
   const auto add = [&](int of_scanner, int beam) {
-    const bool own = of_scanner == static_cast<int>(scanner) && beam != kNoBeam;
-    if (own) ++ends.at(static_cast<std::size_t>(beam));
+    if (of_scanner != static_cast<int>(scanner) || beam == kNoBeam) return;
+    if (beam < 0 || static_cast<std::size_t>(beam) >= beams) {
+      throw InvalidInput("a pair has beam " + std::to_string(beam) + ", but its scanner has " +
+                         std::to_string(beams) + " beams, numbered from 0");
+    }
+    ++ends[static_cast<std::size_t>(beam)];
   };
   if (!flight.pairs) return ends;
   for (const LidarPair& pair : flight.pairs->pairs) {
