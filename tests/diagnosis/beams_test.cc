@@ -74,9 +74,9 @@ SimulatedFlight FlyPure(const Scenario& scenario, std::uint64_t seed) {
   return sim;
 }
 
-class Beams : public ::testing::TestWithParam<int> {};
+class BeamSizesManyRuns : public ::testing::TestWithParam<int> {};
 
-TEST_P(Beams, AreRecoveredToTwoMillimetresAndAHundredthOfADegree) {
+TEST_P(BeamSizesManyRuns, AreRecoveredToTwoMillimetresAndAHundredthOfADegree) {
   const SimulatedFlight sim = FlyPure(RotatingDrone(GetParam(), 2000, 0.007), 7);
   const Solution solution(sim.flight);
   const std::vector<BeamCorrections> all =
@@ -95,7 +95,7 @@ TEST_P(Beams, AreRecoveredToTwoMillimetresAndAHundredthOfADegree) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfScanners, Beams, ::testing::Values(16, 32));
+INSTANTIATE_TEST_SUITE_P(OfScanners, BeamSizesManyRuns, ::testing::Values(16, 32));
 
 TEST(BeamCorrections, ThatThePairsDoNotShowAreRefused) {
   Scenario scenario = RotatingDrone(16, 300, 0.03);

@@ -1,3 +1,4 @@
+#include <dn/files/file_content.h>
 #include <dn/files/file_units.h>
 #include <dn/files/flight.h>
 #include <gmock/gmock.h>
@@ -82,6 +83,21 @@ TEST(Beams, OfPairsAreCheckedAgainstTheScanner) {
   refused("{angles_deg: [10, -10]}", ", 0, 1", "beam 1 are on average 10 deg", 0);
   EXPECT_EQ(ReadPair("{angles_deg: [10.5, 9.5]}", ", 0, 1").beam_j, 1);
   EXPECT_EQ(ReadPair("~", ", 0, 1").beam_j, 1);
+}
+
+// Positions with velocities have as many columns as pairs with beams.
+TEST(Beams, PairsWithThemAreRecognised) {
+  const TempFolder folder;
+  std::string pairs, positions;
+  for (int k = 0; k < 20; ++k) {
+    const std::string t_s = std::to_string(381000 + k);
+    pairs += t_s + ", " + std::to_string(381100 + k) + ", 1, 2, 90.5, 3, 4, 91.5, 3, -1\n";
+    positions += t_s + ", 46.57, 6.52, 431.2, 20.1, 0.2, 0.1, 0.01, 0.01, 0.02\n";
+  }
+  folder.Write("pairs.txt", pairs);
+  folder.Write("positions.txt", positions);
+  EXPECT_EQ(InspectFile(folder.path() / "pairs.txt").kind, FileKind::kPairs);
+  EXPECT_EQ(InspectFile(folder.path() / "positions.txt").kind, FileKind::kGnss);
 }
 
 }  // namespace dn::files_test

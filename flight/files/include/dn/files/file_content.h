@@ -46,7 +46,7 @@ struct FileContent {
 ///   kImu         rates and forces; |force| is gravity, in m/s^2 or g, or times the step
 ///   kGnss        latitude, longitude, height, perhaps sigmas and velocities; or a solution of
 ///                RTKLIB, or sentences of NMEA
-///   kPairs       8 or 14 columns that begin with two times
+///   kPairs       8, 10, 14 or 16 columns that begin with two times
 ///   kTrajectory  a position with a unit quaternion, or with three angles, the last of them near
 ///                the course; or records of an SBET
 ///   kPointCloud  the signature of LAS or LAZ
