@@ -1,9 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "load_json.h"
 #include "run_program.h"
@@ -73,6 +78,61 @@ TEST_F(CliBeams, AStudyHasTheirSigmas) {
   }
   EXPECT_FALSE(study["beams"][0]["angle"].contains("value"));
   EXPECT_THAT(run.out, HasSubstr("beam range offsets [m], sigma relative to their mean"));
+}
+
+/// Returns the numbers of the first row of a text file that is not a comment.
+std::vector<double> FirstRow(const std::string& file) {
+  std::istringstream lines(FileContent(file));
+  std::string line;
+  while (std::getline(lines, line) && line.starts_with('#')) {
+  }
+  std::vector<double> row;
+  std::istringstream cells(line);
+  for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+  return row;
+}
+
+// The first end of a pair as a point: with the result it moves by the errors of its beam.
+TEST_F(CliBeams, GeoreferencingTakesTheirErrorsOut) {
+  const std::vector<double> pair = FirstRow(Path("flight") + "/lidar/1_2.txt");
+  ASSERT_EQ(pair.size(), 10u);
+  fs::create_directories(Path("flight") + "/strips");
+  const std::string strip = Path("flight") + "/strips/1.txt";
+  const auto write = [&](const std::string& beam) {
+    std::ofstream out(strip);
+    out.precision(17);
+    out << pair[0] << ", 0, 0, 0, " << pair[2] << ", " << pair[3] << ", " << pair[4] << beam;
+  };
+  const auto georeference = [&](const std::string& name, const std::vector<std::string>& source) {
+    std::vector<std::string> words{"georef", Path("flight"), "--out", Path(name)};
+    words.insert(words.end(), source.begin(), source.end());
+    const ProgramRun run = RunProgram(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const std::vector<double> row = FirstRow(Path(name) + "/strips/1.txt");
+    return Eigen::Vector3d(row.at(1), row.at(2), row.at(3));
+  };
+  const Json result = LoadJson(fs::path(Path("result")) / "result.json");
+  std::string angles;
+  for (const Json& angle : result["boresight"]["angles_deg"]) {
+    angles += (angles.empty() ? "" : ",") + angle.dump();
+  }
+  write(", " + std::to_string(static_cast<int>(pair[8])) + "\n");
+  const Eigen::Vector3d with = georeference("with", {"--result", Path("result") + "/result.json"});
+  const Eigen::Vector3d without = georeference(
+      "plain", {"--boresight=" + angles, "--trajectory", Path("result") + "/trajectory.out"});
+  const auto k = static_cast<std::size_t>(pair[8]);
+  const Json& beams = result["beams"][0];
+  const double range_m = std::sqrt(pair[2] * pair[2] + pair[3] * pair[3] + pair[4] * pair[4]);
+  const double turned_m =
+      beams["angle"]["value"][k].get<double>() * std::numbers::pi / 180.0 * range_m;
+  EXPECT_NEAR((with - without).norm(),
+              std::hypot(turned_m, beams["range_offset"]["value"][k].get<double>()), 1e-3);
+  write("\n");
+  const ProgramRun refused = RunProgram({"georef", Path("flight"), "--out", Path("no_beam"),
+                                         "--result", Path("result") + "/result.json"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("no laser vectors with beams"));
+  fs::remove_all(Path("flight") + "/strips");
 }
 
 TEST_F(CliBeams, WithoutTheKeyTheyAreNotUnknowns) {
