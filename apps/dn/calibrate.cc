@@ -621,6 +621,7 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
     ExpectOneScanner(config, "--georef");
     ExpectGeoreferenceable(config);
     RequireStripFiles(config);
+    if (methods.dn) ExpectBeamsInStrips(config);
   }
   if ((methods.dn || methods.gh) && HasStripsAlone(config)) {
     CalibrateStrips(

@@ -123,6 +123,19 @@ void ExpectGeoreferenceable(const FlightConfig& config) {
   }
 }
 
+void ExpectBeamsInStrips(const FlightConfig& config) {
+  if (!config.lidar->beams) return;
+  for (const fs::path& file : RequireStripFiles(config)) {
+    const auto reader = OpenStrip(file);
+    StripCloud points;
+    if (!reader->Next(&points) || (reader->has_vectors() && !points.beam.empty())) continue;
+    throw InvalidInput(
+        "the points have no laser vectors with beams, so that corrections of the beams cannot be "
+        "applied; add the beams, or calibrate without --georef",
+        {file.string()});
+  }
+}
+
 GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads) {
   GeoreferenceOptions options;
   options.made_with = StripsGeoreferencing(config);

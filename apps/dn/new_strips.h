@@ -22,6 +22,10 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
 /// Throws InvalidConfig if the flight has no scanner or its points are in an unknown system.
 void ExpectGeoreferenceable(const FlightConfig& config);
 
+/// Throws InvalidInput if the scanner has several beams and a strip begins with points without
+/// laser vectors or beams, so that corrections of the beams could not be applied.
+void ExpectBeamsInStrips(const FlightConfig& config);
+
 /// Georeferences all strips of a flight, stages strips/ and georef.json, and prints a table. Stages
 /// swaths.json and swaths.geojson unless they are staged already. Throws InvalidInput if a strip
 /// fails.

@@ -132,6 +132,11 @@ TEST_F(CliBeams, GeoreferencingTakesTheirErrorsOut) {
                                          "--result", Path("result") + "/result.json"});
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err, HasSubstr("no laser vectors with beams"));
+  const ProgramRun early =
+      RunProgram({"calibrate", Path("flight"), "--georef", "--out", Path("early")});
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_THAT(early.err, HasSubstr("calibrate without --georef"));
+  EXPECT_THAT(early.err, ::testing::Not(HasSubstr("final least squares")));
   fs::remove_all(Path("flight") + "/strips");
 }
 
