@@ -20,7 +20,7 @@ bool HasBeam(std::size_t columns) {
 }
 
 Eigen::Vector3d Coordinates(const double* row, const FileLocation& where) {
-  const Eigen::Vector3d p_c(row[1], row[2], row[3]);
+  Eigen::Vector3d p_c(row[1], row[2], row[3]);
   if (p_c.cwiseAbs().maxCoeff() <= kMostCoordinateM) return p_c;
   throw InvalidInput("a coordinate exceeds 3e7 m: is it in millimetres? Divide it by 1000", where);
 }
