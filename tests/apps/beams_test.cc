@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrated_flight.h"
 #include "load_json.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -20,28 +21,15 @@ using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 /// A simulated flight of a scanner with four beams, and its calibration.
-class CliBeams : public ::testing::Test {
+class CliBeams : public CalibratedFlight {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TempFolder;
-    const ProgramRun simulated =
-        RunProgram({"simulate", ShortScenario().string(), "--seed", "5", "--out", Path("flight"),
-                    "--set", "lidar.pattern=rotating", "--set", kBeams, "--set",
-                    "pairs={count: 400, sigma_p_m: 0.03}"});
-    ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
-    run_ = new ProgramRun(RunProgram({"calibrate", Path("flight"), "--out", Path("result")}));
+    Make({"lidar.pattern=rotating", kBeams, "pairs={count: 400, sigma_p_m: 0.03}"});
   }
-  static void TearDownTestSuite() {
-    delete run_;
-    delete folder_;
-  }
-  static std::string Path(const std::string& name) { return (folder_->path() / name).string(); }
 
   static constexpr const char* kBeams =
       "lidar.beams={angles_deg: [-12, -4, 4, 12], angle_error_deg: [0.1, -0.05, 0.05, -0.1], "
       "range_error_m: [0.02, -0.02, -0.03, 0.03]}";
-  inline static TempFolder* folder_ = nullptr;
-  inline static ProgramRun* run_ = nullptr;
 };
 
 TEST_F(CliBeams, TheResultHasTheCorrectionsOfTheBeams) {

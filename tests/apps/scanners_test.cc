@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrated_flight.h"
 #include "load_json.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -26,24 +27,9 @@ constexpr const char* kScannerList =
     "[-0.4, 0.5, 0.1], fov_deg: 75, gsd_m: 0.2}]";
 
 /// A simulated flight of two scanners, and its calibration.
-class CliScanners : public ::testing::Test {
+class CliScanners : public CalibratedFlight {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new TempFolder;
-    const ProgramRun simulated =
-        RunProgram({"simulate", ShortScenario().string(), "--seed", "5", "--out", Path("flight"),
-                    "--set", kScannerList, "--set", "pairs={count: 200, between: 150}"});
-    ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
-    run_ = new ProgramRun(RunProgram({"calibrate", Path("flight"), "--out", Path("result")}));
-  }
-  static void TearDownTestSuite() {
-    delete run_;
-    delete folder_;
-  }
-  static std::string Path(const std::string& name) { return (folder_->path() / name).string(); }
-
-  inline static TempFolder* folder_ = nullptr;
-  inline static ProgramRun* run_ = nullptr;
+  static void SetUpTestSuite() { Make({kScannerList, "pairs={count: 200, between: 150}"}); }
 };
 
 TEST_F(CliScanners, TheResultHasEachAndTheRelativeBoresight) {

@@ -1,4 +1,5 @@
 #include <dn/builder/beam_unknowns.h>
+#include <dn/builder/calibration_blocks.h>
 #include <dn/builder/calibration_state.h>
 #include <dn/error.h>
 #include <gtest/gtest.h>
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "testing/expect_invalid.h"
 #include "testing/random.h"
 
 namespace dn::builder_test {
@@ -61,6 +63,19 @@ TEST(BeamUnknowns, ABeamThatDoesNotExistIsRefused) {
   Flight flight = BeamFlight();
   flight.pairs->pairs[0].beam_j = kBeams;
   EXPECT_THROW(FindBeamUnknowns(flight), InvalidInput);
+}
+
+TEST(BeamUnknowns, AreTheOnlyEffectsWithMoreThanThreeValues) {
+  Flight flight = BeamFlight();
+  flight.config.lidar->beams->count = 4;
+  flight.config.gnss.emplace();
+  CalibrationState state = AssumedCalibration(flight);
+  Network net;
+  EXPECT_NO_THROW(CalibrationBlocks(flight, state, &net));
+  state.effects[0].name = "own_effect";
+  Network other;
+  testing::ExpectInvalid([&] { CalibrationBlocks(flight, state, &other); },
+                         "only effects with one to three values", 0);
 }
 
 TEST(BeamUnknowns, OfASecondScannerHaveItsNameAndActOnItsReadings) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sim/small_scenario.h"
+#include "sim/written_flight.h"
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
@@ -84,13 +85,7 @@ TEST(RotatingScanner, IsReadAsWritten) {
   EXPECT_EQ(again.lidar.beams.range_error_m, scenario.lidar.beams.range_error_m);
   EXPECT_EQ(again.lidar.pattern, ScanPattern::kRotating);
   const SimulatedFlight sim = Simulate(scenario, {.seed = 4});
-  const testing::TempFolder folder;
-  {
-    OutputDirectory directory(folder.path() / "flight");
-    WriteFlight(sim, directory);
-    directory.Commit();
-  }
-  const Flight read = ReadFlight(folder.path() / "flight", {.pairs = true});
+  const Flight read = WrittenAndRead(sim);
   ASSERT_EQ(read.pairs->pairs.size(), sim.flight.pairs->pairs.size());
   for (std::size_t k = 0; k < read.pairs->pairs.size(); ++k) {
     EXPECT_EQ(read.pairs->pairs[k].beam_i, sim.flight.pairs->pairs[k].beam_i);

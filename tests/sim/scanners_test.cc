@@ -8,8 +8,8 @@
 #include <string>
 
 #include "sim/small_scenario.h"
+#include "sim/written_flight.h"
 #include "testing/expect_invalid.h"
-#include "testing/temp_folder.h"
 
 namespace dn::sim_test {
 
@@ -59,13 +59,7 @@ TEST(SimulatedScanners, BothEndsOfEveryPairAreOneGroundPoint) {
 TEST(SimulatedScanners, AreReadAsWritten) {
   const Scenario scenario = WithTwoScanners();
   const SimulatedFlight sim = Simulate(scenario, {.seed = 4});
-  const testing::TempFolder folder;
-  {
-    OutputDirectory directory(folder.path() / "flight");
-    WriteFlight(sim, directory);
-    directory.Commit();
-  }
-  const Flight read = ReadFlight(folder.path() / "flight", {.pairs = true});
+  const Flight read = WrittenAndRead(sim);
   ASSERT_EQ(read.pairs->pairs.size(), sim.flight.pairs->pairs.size());
   for (std::size_t k = 0; k < read.pairs->pairs.size(); ++k) {
     const LidarPair &a = read.pairs->pairs[k], &b = sim.flight.pairs->pairs[k];

@@ -24,7 +24,11 @@ BlockId AddVectorBlock(const std::string& name, const Eigen::VectorXd& value, Ne
     case 3:
       return net->AddVector<3>(name, value).id;
     default:
-      return net->AddBlock(name, VectorKind(static_cast<int>(value.size())), value);
+      if (IsBeamUnknown(name)) {
+        return net->AddBlock(name, VectorKind(static_cast<int>(value.size())), value);
+      }
+      throw InvalidInput("effect '" + name + "' has " + std::to_string(value.size()) +
+                         " values, but only effects with one to three values can be estimated");
   }
 }
 
