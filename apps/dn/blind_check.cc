@@ -27,6 +27,7 @@ struct BlindCheckArguments {
   std::string gap_options = "quick";
   std::string shard = "1/1";
   std::string only;  ///< word of a BlindContent, or empty for a random content
+  double size_factor = 1.0;
   bool discard_flights = false;
 };
 
@@ -62,6 +63,7 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
                              const std::vector<std::uint64_t>& numbers, Run* run) {
   BlindSuite suite{options.seed, options.scenarios};
   if (!options.only.empty()) suite.only = RecordContent(options.only);
+  suite.size_factor = options.size_factor;
   const BlindRunOptions how{options.common.out, ReadGapOptions(options.gap_options),
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
@@ -86,6 +88,7 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
                           {"scenarios", ScenariosJson(options.scenarios)},
                           {"gap_options", options.gap_options},
                           {"only", options.only},
+                          {"size_factor", options.size_factor},
                           {"version", DN_VERSION},
                           {"program", ProgramHash()}};
   const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
@@ -199,6 +202,10 @@ void AddBlindCheck(CLI::App* program, Action* action) {
          "--left-out", [options] { options->only = Word(BlindContent::kLeftOut); },
          "Every flight contains one effect, which dn gap must not consider")
       ->excludes(only);
+  app->add_option("--size-factor", options->size_factor,
+                  "Factor on the sizes of the effects of the table")
+      ->check(PositiveNumber())
+      ->capture_default_str();
   app->add_flag("--discard-flights", options->discard_flights,
                 "Removes each flight folder (about 20 MB) once the flight is recorded");
   AddCommonOptions(app, &options->common, true);

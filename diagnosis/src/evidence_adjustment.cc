@@ -1,6 +1,7 @@
 #include "evidence_adjustment.h"
 
 #include <dn/adjustment/stages.h>
+#include <dn/builder/flight_nodes.h>
 #include <dn/navigation/robust_scale.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/prediction.h>
@@ -76,6 +77,11 @@ long RejectGnssOutliers(AdjustmentRun& run) {
 }
 
 }  // namespace
+
+double DiagnosisNodeRateHz(const Flight& flight) {
+  return flight.config.network.node_rate_hz.value_or(
+      AutoNodeRateHz(flight, NodeRateUse::kDiagnosis));
+}
 
 EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options,
                                      PairOutliers outliers) {

@@ -18,6 +18,11 @@ enum class PairOutliers {
   kNotThere  ///< none are searched for, which saves half of the time
 };
 
+/// Returns the node rate within strips of all networks of a diagnosis, Hz: that of the
+/// configuration, or else AutoNodeRateHz for a diagnosis. Its networks then have a third of the
+/// nodes of the result where pairs are dense, and are compared at one rate.
+double DiagnosisNodeRateHz(const Flight& flight);
+
 /// Adjusts a flight this way. Ignores `options.stages`. Throws as Adjust.
 EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options,
                                      PairOutliers outliers = PairOutliers::kReject);

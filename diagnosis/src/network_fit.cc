@@ -73,7 +73,7 @@ bool NetworkFit::with_boresight() const {
 }
 
 NetworkFitter::NetworkFitter(const Flight& flight, const GapOptions& options)
-    : flight_(flight), options_(options) {}
+    : flight_(flight), options_(options), node_rate_hz_(DiagnosisNodeRateHz(flight)) {}
 
 Adjustment NetworkFitter::AdjustWith(const Flight& flight, long* gnss_left_out) const {
   AdjustOptions adjust;
@@ -92,6 +92,7 @@ NetworkFit NetworkFitter::Fit(const std::vector<HypothesisEvidence>& chosen) con
   fit.flight = std::make_unique<Flight>(flight_);
   fit.flight->config = Adapted(flight_, causes);
   AddShortOutlierNoise(flight_, causes, &fit.flight->config);
+  fit.flight->config.network.node_rate_hz = node_rate_hz_;
   fit.solution =
       std::make_unique<Solution>(AdjustWith(*fit.flight, &fit.gnss_left_out), options_.threads);
   if (!chosen.empty()) TakeEstimates(fit.solution->Unknowns(), &fit.chosen);

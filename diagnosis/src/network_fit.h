@@ -45,6 +45,7 @@ class NetworkFitter {
 
   const Flight& flight_;
   const GapOptions& options_;
+  double node_rate_hz_;
 };
 
 }  // namespace dn::diagnosis_internal

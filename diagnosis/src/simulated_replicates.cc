@@ -165,6 +165,7 @@ std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scen
                                                 const SimulatedReplicateOptions& options) {
   const PairOutliers outliers =
       HasOutliers(scenario) ? PairOutliers::kReject : PairOutliers::kNotThere;
+  const double node_rate_hz = DiagnosisNodeRateHz(flight);
   std::vector<NamedStatistics> all(static_cast<std::size_t>(options.count));
   ParallelFor(options.count, options.threads, [&](int k) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
@@ -173,6 +174,7 @@ std::vector<NamedStatistics> SimulateReplicates(const Flight& flight, const Scen
     simulate.replay = &replayed;
     Flight replicate = Simulate(scenario, simulate).flight;
     CopyAssumptions(flight.config, &replicate.config);
+    replicate.config.network.node_rate_hz = node_rate_hz;
     try {
       all[static_cast<std::size_t>(k)] =
           ComputeStatistics(replicate, outliers, options.interrupted);

@@ -184,4 +184,19 @@ TEST(Adjust, NoisierGyrosGetMoreNodes) {
   EXPECT_LT(AutoNodeRateHz(flight), mems_hz);
 }
 
+TEST(Adjust, ADiagnosisHasFewerNodesAndNearlyTheSameSigmas) {
+  const SimulatedFlight drone = Fly(DroneScenario(), 2);
+  Flight flight = drone.flight;
+  const double diagnosis_hz = AutoNodeRateHz(flight, NodeRateUse::kDiagnosis);
+  EXPECT_LT(diagnosis_hz, AutoNodeRateHz(flight));
+  const Calibration result(flight);
+  flight.config.network.node_rate_hz = diagnosis_hz;
+  const Calibration coarse(flight);
+  for (int k = 0; k < 3; ++k) {
+    const double sigma_rad = result.boresight.sigma_rad()[k];
+    EXPECT_GT(coarse.boresight.sigma_rad()[k], 0.97 * sigma_rad);
+    EXPECT_NEAR(coarse.boresight.angles_rad[k], result.boresight.angles_rad[k], 0.1 * sigma_rad);
+  }
+}
+
 }  // namespace dn::adjustment_test

@@ -130,6 +130,22 @@ TEST(BlindFlight, SizesAreOneToTenTimesTheUsualOne) {
   EXPECT_NEAR(static_cast<double>(small) / count, 0.55, 0.15) << "uniform in the logarithm";
 }
 
+TEST(BlindFlight, TheSizeFactorMultipliesAllSizes) {
+  BlindSuite suite = Suite();
+  suite.size_factor = 0.3;
+  for (int number = 1; number <= 20; ++number) {
+    const BlindFlight& usual = Drawn()[static_cast<std::size_t>(number - 1)];
+    const BlindFlight weak = DrawBlindFlight(suite, number);
+    ASSERT_EQ(weak.scenario.effects.size(), usual.scenario.effects.size());
+    for (std::size_t k = 0; k < weak.scenario.effects.size(); ++k) {
+      const Effect& effect = weak.scenario.effects[k];
+      EXPECT_EQ(effect.name, usual.scenario.effects[k].name);
+      EXPECT_NEAR(DrawnSize(effect), 0.3 * DrawnSize(usual.scenario.effects[k]), 1e-12)
+          << effect.name;
+    }
+  }
+}
+
 TEST(BlindFlight, WindowsAndStartsLieBetweenTheStrips) {
   int checked = 0;
   for (const BlindFlight& flight : Drawn()) {

@@ -4,6 +4,7 @@
 #include <dn/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <string>
@@ -91,14 +92,17 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
   return times;
 }
 
-double AutoNodeRateHz(const Flight& flight) {
+double AutoNodeRateHz(const Flight& flight, NodeRateUse use) {
   // If a fraction s of the variance is shared noise that counts as independent, a sigma is too
   // small by at most s/2. From 5 Hz on it is too small by only s/20, because the trajectory
   // dominates there (measured, docs/validation/benchmarks.md).
   struct Rung {
     double rate_hz, shared;
   };
-  constexpr Rung kLadder[] = {{kLowestRateHz, 0.02}, {2.0, 0.02}, {5.0, 0.1}, {10.0, 0.1}};
+  using Ladder = std::array<Rung, 4>;
+  constexpr Ladder kResult{{{kLowestRateHz, 0.02}, {2.0, 0.02}, {5.0, 0.1}, {10.0, 0.1}}};
+  constexpr Ladder kDiagnosis{{{kLowestRateHz, 0.02}, {2.0, 0.6}, {5.0, 0.6}, {10.0, 0.6}}};
+  const Ladder& ladder = use == NodeRateUse::kDiagnosis ? kDiagnosis : kResult;
   constexpr double kHighestRateHz = 20.0;
   constexpr double kShortestStripS = 1.0;
   // Remaining fraction of the variance of the mean of a random walk over an interval if its end is
@@ -116,7 +120,7 @@ double AutoNodeRateHz(const Flight& flight) {
     sigma_p_m = std::min(sigma_p_m, lidar.sigma_p_m);
   }
   const double relative = noise_m_per_sqrt_s / sigma_p_m;
-  for (const auto& [rate_hz, shared] : kLadder) {
+  for (const auto& [rate_hz, shared] : ladder) {
     const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);
     if (kBridged * relative * relative / rate_hz * ends_per_interval <= shared) return rate_hz;
   }

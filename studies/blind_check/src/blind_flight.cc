@@ -41,12 +41,13 @@ Scenario DrawScenario(const std::string& base, Random& random) {
   return scenario;
 }
 
-std::vector<Effect> DrawEffects(std::size_t count, const FlightTimes& times, Random& random) {
+std::vector<Effect> DrawEffects(std::size_t count, double size_factor, const FlightTimes& times,
+                                Random& random) {
   std::vector<const EffectSpec*> left = DiagnosableEffects();
   std::vector<Effect> drawn;
   while (drawn.size() < count) {
     const auto chosen = left.begin() + static_cast<std::ptrdiff_t>(DrawIndex(left.size(), random));
-    drawn.push_back(DrawEffect(**chosen, times, random));
+    drawn.push_back(DrawEffect(**chosen, size_factor, times, random));
     left.erase(chosen);
   }
   return drawn;
@@ -89,10 +90,10 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
       break;
     case BlindContent::kOneEffect:
     case BlindContent::kLeftOut:
-      flight.scenario.effects = DrawEffects(1, times, random);
+      flight.scenario.effects = DrawEffects(1, suite.size_factor, times, random);
       break;
     case BlindContent::kTwoEffects:
-      flight.scenario.effects = DrawEffects(2, times, random);
+      flight.scenario.effects = DrawEffects(2, suite.size_factor, times, random);
       break;
     case BlindContent::kUnlistedEffect: {
       const std::vector<std::string> names = UnlistedEffectNames();

@@ -19,8 +19,8 @@ bool IsNotSize(const EffectSpec& effect, std::size_t i) {
   return name == "tau" || (name == "size" && i > 0);
 }
 
-double DrawRatio(double usual, Random& random) {
-  return 1.0 + (usual - 1.0) * LogUniform(0.5, 4.0, random);
+double DrawRatio(double usual, double size_factor, Random& random) {
+  return 1.0 + size_factor * (usual - 1.0) * LogUniform(0.5, 4.0, random);
 }
 
 /// Draws the components of a fixed effect with random signs and axes.
@@ -40,9 +40,9 @@ std::vector<double> DrawStochastic(const EffectSpec& effect, double factor, Rand
   return value;
 }
 
-std::vector<double> DrawValue(const EffectSpec& effect, Random& random) {
-  if (IsRatio(effect)) return {DrawRatio(effect.components.front().typical, random)};
-  const double factor = LogUniform(1.0, 10.0, random);
+std::vector<double> DrawValue(const EffectSpec& effect, double size_factor, Random& random) {
+  if (IsRatio(effect)) return {DrawRatio(effect.components.front().typical, size_factor, random)};
+  const double factor = size_factor * LogUniform(1.0, 10.0, random);
   return effect.kind == EffectKind::kFixed ? DrawFixed(effect, factor, random)
                                            : DrawStochastic(effect, factor, random);
 }
@@ -95,10 +95,11 @@ std::vector<const EffectSpec*> DiagnosableEffects() {
   return effects;
 }
 
-Effect DrawEffect(const EffectSpec& effect, const FlightTimes& times, Random& random) {
+Effect DrawEffect(const EffectSpec& effect, double size_factor, const FlightTimes& times,
+                  Random& random) {
   Effect drawn;
   drawn.name = effect.name;
-  drawn.value = DrawValue(effect, random);
+  drawn.value = DrawValue(effect, size_factor, random);
   if (effect.timing == EffectTiming::kWindow) {
     drawn.times.window_s = DrawWindow(effect, times, random);
   }

@@ -20,6 +20,7 @@ struct BlindSuite {
   std::vector<std::string> scenarios;  ///< base scenarios of the flights, at least one
   /// Content of every flight; nullopt: drawn for each flight, but never kLeftOut.
   std::optional<BlindContent> only = {};
+  double size_factor = 1.0;  ///< on the sizes of the effects of the table, positive
 };
 
 /// One flight of a series.
@@ -52,8 +53,9 @@ std::uint64_t BlindFlightSeed(std::uint64_t suite_seed, int number);
 ///
 /// The logarithm of a size is uniform. Sizes are 1 to 10 times the typical size in the table. For a
 /// ratio r, r - 1 is 0.5 to 4 times the typical one. Components that are not a size (a correlation
-/// time, the length of outliers) are 0.5 to 2 times the typical value. Faults are not drawn, since
-/// no diagnosis names them.
+/// time, the length of outliers) are 0.5 to 2 times the typical value. The factor of the suite
+/// multiplies the sizes of effects of the table. Faults are not drawn, since no diagnosis names
+/// them.
 /// Throws InvalidConfig if a scenario does not exist or replays a trajectory.
 BlindFlight DrawBlindFlight(const BlindSuite& suite, int number);
 
