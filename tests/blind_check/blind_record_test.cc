@@ -6,6 +6,8 @@
 
 namespace dn::blind_check_test {
 
+const Eigen::Vector3d kTrue_deg(0.1, -0.3, 0.54);
+
 Json GapJson() {
   return Json::parse(R"({
     "schema": "dn.gap/1", "flight": "x",
@@ -22,11 +24,13 @@ Json GapJson() {
                 "credible_set": ["gnss_lever_arm", "lidar_lever_arm"], "unknown": false,
                 "tie_breaker": "", "text": ""},
     "shrinkage": {"fraction": 0.8, "interval_95": [0.7, 0.9]},
+    "boresight_averaged": {"angles_deg": [0.12, -0.3, 0.5], "sigma_deg": [0.01, 0.02, 0.04],
+                           "covariance_deg2": [[1e-4, 0, 0], [0, 4e-4, 0], [0, 0, 16e-4]]},
     "could_still_hide": []})");
 }
 
 TEST(BlindRecord, ReadsADiagnosis) {
-  const BlindDiagnosis diagnosis = DiagnosisFromGapJson(GapJson());
+  const BlindDiagnosis diagnosis = DiagnosisFromGapJson(GapJson(), kTrue_deg);
   EXPECT_TRUE(diagnosis.detected);
   EXPECT_EQ(diagnosis.p_value, 0.002);
   EXPECT_EQ(diagnosis.verdict, "group");
@@ -34,6 +38,10 @@ TEST(BlindRecord, ReadsADiagnosis) {
   EXPECT_EQ(diagnosis.credible_set.size(), 2U);
   EXPECT_EQ(diagnosis.shrinkage, 0.8);
   EXPECT_EQ(diagnosis.size_nats_per_obs, 0.03);
+  ASSERT_TRUE(diagnosis.averaged.has_value());
+  EXPECT_NEAR(diagnosis.averaged->error_sigmas[0], 2.0, 0.02);
+  EXPECT_NEAR(diagnosis.averaged->error_sigmas[2], -1.0, 0.02);
+  EXPECT_NEAR(diagnosis.averaged->nees, 5.0, 0.1);
   ASSERT_EQ(diagnosis.causes.size(), 2U);
   EXPECT_EQ(diagnosis.causes[0].sigma[2], 0.03);
   EXPECT_TRUE(std::isnan(diagnosis.causes[0].estimate[1]));
@@ -43,9 +51,11 @@ TEST(BlindRecord, ReadsADiagnosis) {
 TEST(BlindRecord, ADiagnosisWithoutAGapHasNoShrinkage) {
   Json gap = GapJson();
   gap["shrinkage"] = nullptr;
+  gap["boresight_averaged"] = nullptr;
   gap["gap"]["size_nats_per_obs"] = nullptr;
-  const BlindDiagnosis diagnosis = DiagnosisFromGapJson(gap);
+  const BlindDiagnosis diagnosis = DiagnosisFromGapJson(gap, kTrue_deg);
   EXPECT_EQ(diagnosis.shrinkage, std::nullopt);
+  EXPECT_FALSE(diagnosis.averaged.has_value());
   EXPECT_EQ(diagnosis.size_nats_per_obs, std::nullopt);
 }
 
@@ -53,7 +63,7 @@ TEST(BlindRecord, RefusesWhatIsNoDiagnosis) {
   for (const char* section : {"gap", "causes", "verdict", "shrinkage"}) {
     Json gap = GapJson();
     gap.erase(section);
-    EXPECT_THROW(DiagnosisFromGapJson(gap), InvalidInput) << section;
+    EXPECT_THROW(DiagnosisFromGapJson(gap, kTrue_deg), InvalidInput) << section;
   }
 }
 
@@ -87,7 +97,7 @@ TEST(BlindRecord, SurvivesItsFile) {
   record.effects = {step, window};
   record.boresight_deg = {0.1, 0.2, 1.0 / 7.0};
   record.strips = 3;
-  record.diagnosis.result = DiagnosisFromGapJson(GapJson());
+  record.diagnosis.result = DiagnosisFromGapJson(GapJson(), kTrue_deg);
   record.diagnosis.time_s = 12.5;
   record.calibrated.failure = "exit code 1: no attitude";
   const std::string text = ToJson(record).dump();

@@ -72,6 +72,21 @@ TEST(Share, WilsonsIntervalOfKnownCases) {
   EXPECT_TRUE(std::isnan(Share{}.value()));
 }
 
+TEST(BlindScore, AveragedBoresightsAreCountedByVerdict) {
+  BlindRecord near = Record(1, {}, {"no_gap", {}}), far = Record(2, {}, {"unknown", {}});
+  near.diagnosis.result->averaged = BlindAverage{{1.0, -1.9, 0.0}, 4.6};
+  far.diagnosis.result->averaged = BlindAverage{{1.0, 2.1, 0.0}, 7.9};
+  const BlindScore score = ScoreBlindFlights({near, far, Record(3, {}, {"no_gap", {}})});
+  ASSERT_EQ(score.averaged.size(), 3u);
+  EXPECT_EQ(score.averaged[0].verdict, "no_gap");
+  EXPECT_EQ(score.averaged[0].in_region_95.hits, 1);
+  EXPECT_EQ(score.averaged[1].in_region_95.hits, 0);
+  EXPECT_EQ(score.averaged[2].verdict, "all");
+  EXPECT_EQ(score.averaged[2].in_region_95.of, 2);
+  EXPECT_EQ(score.averaged[2].angles_95.hits, 5);
+  EXPECT_THAT(FormatTable(score), HasSubstr("all, within the 95 % region"));
+}
+
 TEST(BlindScore, NamesAreRightStrictlyOrByTheGroup) {
   const BlindRecord right =
       Record(1, {"gnss_lever_arm"}, {"identified", {"gnss_lever_arm"}, {"gnss_lever_arm"}});

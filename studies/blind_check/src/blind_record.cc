@@ -3,6 +3,7 @@
 #include <dn/geo/local_frame.h>
 #include <dn/rotation.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "blind_json.h"
@@ -13,6 +14,29 @@ namespace {
 std::optional<double> NumberUnder(const JsonPlace& section, const char* key) {
   if (!section.Has(key)) return std::nullopt;
   return OptionalNumber(section.At(key));
+}
+
+/// Returns the rotation from the true boresight to an estimated one, deg.
+Eigen::Vector3d BoresightErrorDeg(const Eigen::Vector3d& angles_deg,
+                                  const Eigen::Vector3d& true_deg) {
+  const Eigen::Quaterniond q = Exp(Eigen::Vector3d(kRadPerDeg * angles_deg));
+  const Eigen::Quaterniond q_true = Exp(Eigen::Vector3d(kRadPerDeg * true_deg));
+  return kDegPerRad * Log(Eigen::Quaterniond(q * q_true.conjugate()));
+}
+
+std::optional<BlindAverage> AverageFromJson(const JsonPlace& json,
+                                            const Eigen::Vector3d& true_boresight_deg) {
+  if (!json.Has("boresight_averaged") || json.At("boresight_averaged").is_null()) {
+    return std::nullopt;
+  }
+  const JsonPlace averaged = json.At("boresight_averaged");
+  const Eigen::Vector3d error_deg =
+      BoresightErrorDeg(ReadVector3(averaged.At("angles_deg")), true_boresight_deg);
+  const Eigen::Matrix3d covariance_deg2 = ReadMatrix3(averaged.At("covariance_deg2"));
+  BlindAverage average;
+  average.error_sigmas = error_deg.cwiseQuotient(ReadVector3(averaged.At("sigma_deg")));
+  average.nees = error_deg.dot(covariance_deg2.ldlt().solve(error_deg));
+  return average;
 }
 
 }  // namespace
@@ -30,7 +54,8 @@ BlindRecord MakeTruthRecord(const BlindFlight& flight) {
   return record;
 }
 
-BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json) {
+BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json,
+                                    const Eigen::Vector3d& true_boresight_deg) {
   const JsonPlace gap = json.At("gap");
   const JsonPlace verdict = json.At("verdict");
   BlindDiagnosis diagnosis;
@@ -45,6 +70,7 @@ BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json) {
   if (gap.Has("size_nats_per_obs")) {
     diagnosis.size_nats_per_obs = NumberUnder(gap.At("size_nats_per_obs"), "value");
   }
+  diagnosis.averaged = AverageFromJson(json, true_boresight_deg);
   return diagnosis;
 }
 
@@ -55,10 +81,8 @@ BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
   BlindCalibration calibration;
   calibration.verdict = WordFromJson(json.At("assessment").At("verdict"));
   calibration.sigma_deg = ReadVector3(boresight.At("sigma_deg"));
-  const Eigen::Quaterniond q = Exp(Eigen::Vector3d(kRadPerDeg * angles_deg));
-  const Eigen::Quaterniond q_true = Exp(Eigen::Vector3d(kRadPerDeg * true_boresight_deg));
-  const Eigen::Vector3d error_rad = Log(Eigen::Quaterniond(q * q_true.conjugate()));
-  calibration.error_sigmas = kDegPerRad * error_rad.cwiseQuotient(calibration.sigma_deg);
+  const Eigen::Vector3d error_deg = BoresightErrorDeg(angles_deg, true_boresight_deg);
+  calibration.error_sigmas = error_deg.cwiseQuotient(calibration.sigma_deg);
   return calibration;
 }
 

@@ -56,6 +56,16 @@ std::optional<BlindSignature> SignatureFromJson(const JsonPlace& json) {
                         json.At("nearest").Text()};
 }
 
+Json AverageToJson(const std::optional<BlindAverage>& average) {
+  if (!average) return {};
+  return {{"error_sigmas", dn::ToJson(average->error_sigmas)}, {"nees", average->nees}};
+}
+
+std::optional<BlindAverage> AverageFromJson(const JsonPlace& json) {
+  if (json.is_null()) return std::nullopt;
+  return BlindAverage{ReadVector3(json.At("error_sigmas")), json.At("nees").Number()};
+}
+
 Json ResultToJson(const BlindDiagnosis& diagnosis) {
   Json causes = Json::array();
   for (const BlindCause& cause : diagnosis.causes) {
@@ -72,6 +82,7 @@ Json ResultToJson(const BlindDiagnosis& diagnosis) {
           {"unknown", diagnosis.unknown},
           {"shrinkage", OrNull(diagnosis.shrinkage)},
           {"size_nats_per_obs", OrNull(diagnosis.size_nats_per_obs)},
+          {"averaged", AverageToJson(diagnosis.averaged)},
           {"causes", causes}};
 }
 
@@ -84,6 +95,7 @@ void ResultFromJson(const JsonPlace& json, BlindDiagnosis* diagnosis) {
   diagnosis->unknown = json.At("unknown").Flag();
   diagnosis->shrinkage = OptionalNumber(json.At("shrinkage"));
   diagnosis->size_nats_per_obs = OptionalNumber(json.At("size_nats_per_obs"));
+  diagnosis->averaged = AverageFromJson(json.At("averaged"));
   diagnosis->causes = CausesFromJson(json.At("causes"));
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -17,6 +18,7 @@ constexpr double kAlarmLevel = 0.05;
 constexpr double kBeyond_sigmas = 5.0;
 constexpr double kQuickReplicates = 100.0;  // least number of replicates behind a p-value of dn gap
 constexpr double kCovered_sigmas = 1.959963984540054;
+constexpr const char* kAllVerdicts = "all";
 
 bool Contains(const BlindRecord& record, const std::string& effect) {
   return std::any_of(record.effects.begin(), record.effects.end(),
@@ -190,6 +192,21 @@ void ScoreShrinkage(const BlindRecord& record, Samples* samples) {
       .push_back(*diagnosis.shrinkage);
 }
 
+void CountAverage(const BlindAverage& average, AverageScore* score) {
+  const double most = ChiSquareQuantile(0.95, 3.0);
+  score->in_region_95.Count(average.nees <= most);
+  for (const double error : average.error_sigmas) {
+    score->angles_95.Count(std::abs(error) <= kCovered_sigmas);
+  }
+}
+
+void ScoreAverage(const BlindDiagnosis& diagnosis, BlindScore* score) {
+  if (!diagnosis.averaged) return;
+  for (const std::string& verdict : {diagnosis.verdict, std::string(kAllVerdicts)}) {
+    CountAverage(*diagnosis.averaged, &Entry(verdict, &AverageScore::verdict, &score->averaged));
+  }
+}
+
 void ScoreDiagnosis(const BlindRecord& record, BlindScore* score, Samples* samples) {
   CountVerdict(record.content, record.diagnosis.result->verdict, &score->verdicts);
   switch (record.content) {
@@ -213,6 +230,7 @@ void ScoreDiagnosis(const BlindRecord& record, BlindScore* score, Samples* sampl
   ScoreCoverage(record, score);
   ScoreSpurious(record, score);
   ScoreShrinkage(record, samples);
+  ScoreAverage(*record.diagnosis.result, score);
   samples->diagnosis_time_s.push_back(record.diagnosis.time_s);
 }
 
@@ -267,6 +285,10 @@ void Finish(const Samples& samples, BlindScore* score) {
   Finish(&score->adapted);
   std::sort(score->verdicts.begin(), score->verdicts.end(), [](const auto& a, const auto& b) {
     return std::tie(a.content, a.verdict) < std::tie(b.content, b.verdict);
+  });
+  std::sort(score->averaged.begin(), score->averaged.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.verdict == kAllVerdicts, a.verdict) <
+           std::pair(b.verdict == kAllVerdicts, b.verdict);
   });
   std::sort(score->effects.begin(), score->effects.end(),
             [](const auto& a, const auto& b) { return a.effect < b.effect; });

@@ -26,6 +26,16 @@ Json ToJson(const std::vector<CalibrationScore>& scores) {
   return rows;
 }
 
+Json ToJson(const std::vector<AverageScore>& scores) {
+  Json rows = Json::array();
+  for (const AverageScore& score : scores) {
+    rows.push_back({{"verdict", score.verdict},
+                    {"in_region_95", ToJson(score.in_region_95)},
+                    {"angles_95", ToJson(score.angles_95)}});
+  }
+  return rows;
+}
+
 Json ToJson(const std::vector<VerdictCount>& counts) {
   Json rows = Json::array();
   for (const VerdictCount& count : counts) {
@@ -137,7 +147,10 @@ Json ToJson(const BlindScore& s) {
           {"reliability", ToJson(s.reliability)},
           {"coverage_95",
            {{"fixed", ToJson(s.fixed_coverage)}, {"stochastic", ToJson(s.stochastic_coverage)}}},
-          {"boresight", {{"assumed", ToJson(s.calibrated)}, {"adapted", ToJson(s.adapted)}}},
+          {"boresight",
+           {{"assumed", ToJson(s.calibrated)},
+            {"adapted", ToJson(s.adapted)},
+            {"averaged", ToJson(s.averaged)}}},
           {"shrinkage",
            {{"right_name", ToJson(s.shrinkage_right)}, {"wrong_name", ToJson(s.shrinkage_wrong)}}}};
 }

@@ -34,6 +34,16 @@ std::string Lines(const std::string& title, const std::vector<CalibrationScore>&
   return text;
 }
 
+std::string Lines(const std::vector<AverageScore>& scores) {
+  if (scores.empty()) return {};
+  std::string text = "boresight of dn gap, averaged over all hypotheses, by its verdict\n";
+  for (const AverageScore& score : scores) {
+    text += Line(score.verdict + ", within the 95 % region", score.in_region_95);
+    text += Line(score.verdict + ", angles within 1.96 sigma", score.angles_95);
+  }
+  return text;
+}
+
 std::string Fraction(const Share& share) { return fmt::format("{}/{}", share.hits, share.of); }
 
 template <class Score>
@@ -160,6 +170,7 @@ std::string FormatTable(const BlindScore& s) {
   text += ReliabilityLines(s);
   text += Lines("boresight of dn calibrate, by its verdict", s.calibrated);
   text += Lines("boresight of the adapted flight, by its verdict", s.adapted);
+  text += Lines(s.averaged);
   text += EffectLines(s) + StrengthLines(s) + SignatureLines(s);
   for (const std::string& failure : s.failures) text += failure + "\n";
   return text;

@@ -27,6 +27,12 @@ struct BlindCause {
   std::vector<double> sigma;
 };
 
+/// Error of the boresight averaged over all hypotheses.
+struct BlindAverage {
+  Eigen::Vector3d error_sigmas = Eigen::Vector3d::Zero();  ///< (estimate - truth) / sigma
+  double nees = 0.0;                                       ///< e^T C^-1 e, 3 degrees of freedom
+};
+
 /// Contents of gap.json that are scored.
 struct BlindDiagnosis {
   bool detected = false;
@@ -38,6 +44,7 @@ struct BlindDiagnosis {
   std::vector<BlindCause> causes;  ///< best first
   std::optional<double> shrinkage;
   std::optional<double> size_nats_per_obs;
+  std::optional<BlindAverage> averaged;  ///< absent without a boresight
 };
 
 /// Contents of result.json that are scored.
@@ -78,8 +85,10 @@ struct BlindRecord {
 /// Returns a record with the truth of a drawn flight, without results.
 BlindRecord MakeTruthRecord(const BlindFlight& flight);
 
-/// Reads gap.json. Throws InvalidInput with the name of the missing key.
-BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json);
+/// Reads gap.json and compares its averaged boresight with the true one. Throws InvalidInput with
+/// the name of the missing key.
+BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json,
+                                    const Eigen::Vector3d& true_boresight_deg);
 
 /// Reads result.json and compares its boresight with the true one. Throws InvalidInput with the
 /// name of the missing key.

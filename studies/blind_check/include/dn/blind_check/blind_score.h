@@ -80,6 +80,14 @@ struct CalibrationScore {
   double rms_sigmas = 0.0;  ///< rms of error / sigma over all angles
 };
 
+/// Errors of the boresight averaged over all hypotheses, of the flights with one verdict of
+/// `dn gap`.
+struct AverageScore {
+  std::string verdict;
+  Share in_region_95;  ///< flights whose true boresight is in the 95 % region of the covariance
+  Share angles_95;     ///< angles within 1.96 sigma
+};
+
 /// Number of flights with one content that got one verdict.
 struct VerdictCount {
   BlindContent content = BlindContent::kNothing;
@@ -127,6 +135,7 @@ struct BlindScore {
   Share stochastic_coverage;  ///< the same for ratios, sigmas and correlation times
 
   std::vector<CalibrationScore> calibrated, adapted;  ///< by verdict
+  std::vector<AverageScore> averaged;                 ///< by verdict, then all flights
   Quartiles shrinkage_right, shrinkage_wrong;         ///< with correct and with wrong names
   Quartiles diagnosis_time_s, calibration_time_s;
 };
