@@ -152,9 +152,8 @@ void RunCommands(const Places& places, const std::vector<std::string>& gap_optio
     gap.insert(gap.end(), {"--without", record->effects.front().name});
   }
   record->diagnosis = RunCommand<BlindDiagnosis>(
-      gap, places.runs / "gap", "gap.json", [&](const JsonPlace& json) {
-        return DiagnosisFromGapJson(json, record->boresight_deg);
-      });
+      gap, places.runs / "gap", "gap.json",
+      [&](const JsonPlace& json) { return DiagnosisFromGapJson(json, record->boresight_deg); });
   record->calibrated = Calibrate(places.flight, places.runs / "calibrate", record->boresight_deg);
   if (!fs::exists(places.adapted_config)) return;
   record->adapted =
