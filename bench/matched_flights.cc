@@ -1,12 +1,15 @@
 /// matched_flights: simulates point clouds of a scenario with several seeds. It matches and adjusts
 /// each flight from its strips alone (`dn calibrate --method all`). The results are compared with
 /// the truth: the pairs with the true positions of both points, and each method's boresight with
-/// its covariance.
+/// its covariance. With --draw-unmodelled, each flight has every effect that the model leaves out,
+/// drawn from its prior. The errors of the pairs then contain those effects.
 #include <dn/files/flight.h>
 #include <dn/files/truth.h>
 #include <dn/lidar/mounting.h>
 #include <dn/report/json_reader.h>
 #include <dn/rotation.h>
+#include <dn/sim/draw_effects.h>
+#include <dn/sim/scenario.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -42,6 +45,7 @@ struct Options {
   int flights = 20;
   int first_seed = 1;
   int threads = 1;
+  double unmodelled = 0.0;  ///< factor of the drawn effects; 0: none
   bool keep = false;
   double timeout_s = 3600.0;
 };
@@ -157,17 +161,26 @@ struct Totals {
   std::map<std::string, MethodErrors> methods;
 };
 
+/// Writes the scenario of a flight, with drawn effects, and returns the file.
+fs::path WriteScenario(const Options& options, int seed) {
+  Scenario scenario = ReadScenario(options.scenario, options.settings);
+  if (options.unmodelled > 0.0) {
+    scenario = WithDrawnEffects(scenario, options.unmodelled, static_cast<std::uint64_t>(seed));
+  }
+  const fs::path file = options.work / fmt::format("scenario{}.yaml", seed);
+  std::ofstream(file) << FormatScenario(scenario);
+  return file;
+}
+
 void RunFlight(const Options& options, int seed, Totals* totals) {
   const fs::path flight = options.work / fmt::format("flight{}", seed);
   const fs::path out = options.work / fmt::format("result{}", seed);
   fs::remove_all(flight);
   fs::remove_all(out);
-  std::vector<std::string> simulate{"simulate", options.scenario, "--seed", std::to_string(seed),
-                                    "--out",    flight.string(),  "--set",  "strips=true",
-                                    "--set",    "pairs.count=0"};
-  for (const std::string& setting : options.settings) {
-    simulate.insert(simulate.end(), {"--set", setting});
-  }
+  const fs::path scenario = WriteScenario(options, seed);
+  const std::vector<std::string> simulate{
+      "simulate", scenario.string(), "--seed", std::to_string(seed), "--out", flight.string(),
+      "--set",    "strips=true",     "--set",  "pairs.count=0"};
   const fs::path log = options.work / fmt::format("log{}", seed);
   if (Run(options, simulate, log).exit_code != 0) {
     throw std::runtime_error("dn simulate failed, see " + log.string());
@@ -269,6 +282,10 @@ int Main(int argc, char** argv) {
   app.add_option("--flights", options.flights, "How many")->capture_default_str();
   app.add_option("--seed", options.first_seed, "Seed of the first flight")->capture_default_str();
   app.add_option("--threads", options.threads, "Of dn calibrate")->capture_default_str();
+  app.add_option("--draw-unmodelled", options.unmodelled,
+                 "Draw every unmodelled effect from its prior times this factor")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--json", options.json, "Write the figures here");
   app.add_option("--dn", options.program, "The program")->capture_default_str();
   app.add_flag("--keep", options.keep, "Keep flights and results");

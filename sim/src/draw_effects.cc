@@ -1,5 +1,6 @@
 #include <dn/effects/effect_table.h>
 #include <dn/effects/gnss_process_prior.h>
+#include <dn/files/unmodelled.h>
 #include <dn/sim/draw_effects.h>
 #include <dn/sim/random.h>
 
@@ -47,6 +48,19 @@ void DrawSharedPairErrors(double factor, std::uint64_t seed, PairScenario* pairs
   const double ratio = factor * factor * std::exp2(exponent);
   pairs->shared_fraction = ratio / (1.0 + ratio);
   pairs->shared_length_m = kShortestM * std::exp2(std::floor(random.Uniform(0.0, 4.0)));
+}
+
+Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) {
+  FlightConfig config;
+  config.imu.emplace().model = scenario.imu.model;
+  for (Effect& effect : DrawEffects(MakeUnmodelledPrior(config), factor, seed)) {
+    scenario.effects.push_back(std::move(effect));
+  }
+  if (scenario.gnss.processes.empty()) {
+    scenario.effects.push_back(DrawGnssProcess(scenario.gnss.sigma_enu_m, factor, seed));
+  }
+  if (scenario.pairs.shared_fraction == 0.0) DrawSharedPairErrors(factor, seed, &scenario.pairs);
+  return scenario;
 }
 
 }  // namespace dn

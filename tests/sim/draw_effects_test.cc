@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "small_scenario.h"
+
 namespace dn::sim_test {
 
 TEST(DrawSharedPairErrors, DrawsSizesAndLengthsOfThePrior) {
@@ -42,6 +44,17 @@ TEST(DrawSharedPairErrors, TheFactorScalesTheErrors) {
       return pairs.shared_fraction / (1.0 - pairs.shared_fraction);
     };
     EXPECT_NEAR(ratio(twice), 4.0 * ratio(once), 1e-9);
+  }
+}
+
+TEST(WithDrawnEffects, AWrittenScenarioHasTheSameEffects) {
+  const Scenario drawn = WithDrawnEffects(testing::SmallScenario(), 1.0, 7);
+  const Scenario read = ParseScenario(FormatScenario(drawn), "drawn.yaml");
+  ASSERT_GT(drawn.effects.size(), 10u);
+  ASSERT_EQ(read.effects.size(), drawn.effects.size());
+  for (std::size_t k = 0; k < read.effects.size(); ++k) {
+    EXPECT_EQ(read.effects[k].name, drawn.effects[k].name);
+    EXPECT_EQ(read.effects[k].value, drawn.effects[k].value);
   }
 }
 

@@ -155,21 +155,6 @@ void AddErrors(const SimulatedFlight& simulated, const Solution& solution,
       Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
 }
 
-/// Returns the scenario with every effect of the prior of its flights, a time-correlated error of
-/// the GNSS positions and shared errors of neighbouring pairs, drawn with a factor.
-Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed) {
-  FlightConfig config;
-  config.imu.emplace().model = scenario.imu.model;
-  for (Effect& effect : DrawEffects(MakeUnmodelledPrior(config), factor, seed)) {
-    scenario.effects.push_back(std::move(effect));
-  }
-  if (scenario.gnss.processes.empty()) {
-    scenario.effects.push_back(DrawGnssProcess(scenario.gnss.sigma_enu_m, factor, seed));
-  }
-  if (scenario.pairs.shared_fraction == 0.0) DrawSharedPairErrors(factor, seed, &scenario.pairs);
-  return scenario;
-}
-
 }  // namespace
 
 double FlightRecord::BoresightNees() const {

@@ -22,4 +22,9 @@ Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, std::
 /// `factor` squared, and their length is 15, 30, 60 or 120 m, all equally probable.
 void DrawSharedPairErrors(double factor, std::uint64_t seed, PairScenario* pairs);
 
+/// Returns the scenario with the draws of the three functions above: every effect of the prior of
+/// its flights, a time-correlated error of GNSS positions, and shared errors of pairs. A scenario
+/// with its own process or shared errors keeps them.
+Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed);
+
 }  // namespace dn
