@@ -167,7 +167,7 @@ fs::path WriteScenario(const Options& options, int seed) {
   if (options.unmodelled > 0.0) {
     scenario = WithDrawnEffects(scenario, options.unmodelled, static_cast<std::uint64_t>(seed));
   }
-  const fs::path file = options.work / fmt::format("scenario{}.yaml", seed);
+  fs::path file = options.work / fmt::format("scenario{}.yaml", seed);
   std::ofstream(file) << FormatScenario(scenario);
   return file;
 }
