@@ -8,8 +8,6 @@
 #include <dn/lidar/mounting.h>
 #include <dn/report/json_reader.h>
 #include <dn/rotation.h>
-#include <dn/sim/draw_effects.h>
-#include <dn/sim/scenario.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -161,26 +159,19 @@ struct Totals {
   std::map<std::string, MethodErrors> methods;
 };
 
-/// Writes the scenario of a flight, with drawn effects, and returns the file.
-fs::path WriteScenario(const Options& options, int seed) {
-  Scenario scenario = ReadScenario(options.scenario, options.settings);
-  if (options.unmodelled > 0.0) {
-    scenario = WithDrawnEffects(scenario, options.unmodelled, static_cast<std::uint64_t>(seed));
-  }
-  fs::path file = options.work / fmt::format("scenario{}.yaml", seed);
-  std::ofstream(file) << FormatScenario(scenario);
-  return file;
-}
-
 void RunFlight(const Options& options, int seed, Totals* totals) {
   const fs::path flight = options.work / fmt::format("flight{}", seed);
   const fs::path out = options.work / fmt::format("result{}", seed);
   fs::remove_all(flight);
   fs::remove_all(out);
-  const fs::path scenario = WriteScenario(options, seed);
-  const std::vector<std::string> simulate{
-      "simulate", scenario.string(), "--seed", std::to_string(seed), "--out", flight.string(),
-      "--set",    "strips=true",     "--set",  "pairs.count=0"};
+  std::vector<std::string> simulate{"simulate", options.scenario, "--seed", std::to_string(seed),
+                                    "--out",    flight.string(),  "--set",  "strips=true",
+                                    "--set",    "pairs.count=0"};
+  for (const std::string& setting : options.settings)
+    simulate.insert(simulate.end(), {"--set", setting});
+  if (options.unmodelled > 0.0) {
+    simulate.insert(simulate.end(), {"--draw-unmodelled", fmt::format("{}", options.unmodelled)});
+  }
   const fs::path log = options.work / fmt::format("log{}", seed);
   if (Run(options, simulate, log).exit_code != 0) {
     throw std::runtime_error("dn simulate failed, see " + log.string());

@@ -1,8 +1,10 @@
 #include <dn/adjustment/adjust.h>
+#include <dn/sim/draw_effects.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,6 +20,7 @@ struct SimulateArguments {
   std::string scenario;
   std::uint64_t seed = 1;
   bool noise_free = false;
+  std::optional<double> unmodelled;  ///< factor of the priors
 };
 
 /// Writes the point clouds and returns the counts of pulses and points per strip.
@@ -38,8 +41,14 @@ Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
   return strips;
 }
 
+Scenario SimulatedScenario(const SimulateArguments& options) {
+  Scenario scenario = ReadScenario(options.scenario, options.common.changes);
+  if (!options.unmodelled) return scenario;
+  return WithDrawnEffects(std::move(scenario), *options.unmodelled, options.seed);
+}
+
 void RunSimulate(const SimulateArguments& options, Run& run) {
-  const Scenario scenario = ReadScenario(options.scenario, options.common.changes);
+  const Scenario scenario = SimulatedScenario(options);
   SimulateOptions simulate;
   simulate.seed = options.seed;
   simulate.noise = !options.noise_free;
@@ -108,6 +117,10 @@ void AddSimulate(CLI::App* program, Action* action) {
       ->capture_default_str();
   app->add_flag("--noise-free", options->noise_free,
                 "Adds no noise; flight.yaml still has the stochastic model of the scenario");
+  app->add_option("--draw-unmodelled", options->unmodelled,
+                  "Adds every effect that the assumed model leaves out, drawn from its prior times "
+                  "this factor; truth.yaml lists them")
+      ->check(PositiveNumber());
   AddChanges(app, "the scenario", "strips=true", &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer(Footer());

@@ -24,6 +24,7 @@
 #include "detectability.h"
 #include "discrepancies.h"
 #include "gnss_process.h"
+#include "joint_estimate.h"
 #include "model_findings.h"
 #include "network_hypotheses.h"
 #include "node_changes.h"
@@ -91,18 +92,16 @@ class Checker {
     FindClocks(score);
     TakeUnmodelled(unmodelled);
     TestControl(score, unmodelled);
-    FindEffects(unmodelled.Conditioned());
+    JointScore conditioned = unmodelled.Conditioned();
+    conditioned.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+    FindEffects(conditioned);
     residual_ = ResidualWith(unmodelled.estimate());
-    const Eigen::VectorXd left =
-        selection_.chosen.empty()
-            ? residual_
-            : ResidualWith(unmodelled.EstimateBeside(selection_.joint) + selection_.joint);
-    check_.sigma0_with_effects =
-        trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
-    CheckGroups(left);
-    TakeNoise(left, unmodelled);
+    CheckGroups();
+    EstimateNoise(conditioned, unmodelled);
+    TakeEffects();
+    TakeNoise(unmodelled);
     CheckAllDiscrepancies(unmodelled);
-    CheckCommonErrors(left);
+    CheckCommonErrors();
     check_.p_value = FamilyPValue(smallest_p_, check_.effective_tests);
     return std::move(check_);
   }
@@ -170,7 +169,7 @@ class Checker {
     return family_.FamilyWise(p_value);
   }
 
-  void CheckGroups(const Eigen::VectorXd& with_effects) {
+  void CheckGroups() {
     Eigen::VectorXd redundancy(static_cast<Eigen::Index>(num_channels_));
     for (std::size_t g = 0; g < num_channels_; ++g) {
       TestedGroup tested = CheckGroup(g, residual_);
@@ -180,10 +179,8 @@ class Checker {
         if (pure.group.isolated) tested = std::move(pure);
       }
       smallest_p_ = std::min(smallest_p_, tested.p_value);
-      GroupCheck& group = tested.group;
-      redundancy[static_cast<Eigen::Index>(g)] = group.redundancy;
-      group.ratio_with_effects = forms_[g].Energy(with_effects) / std::max(group.redundancy, 1e-12);
-      check_.groups.push_back(std::move(group));
+      redundancy[static_cast<Eigen::Index>(g)] = tested.group.redundancy;
+      check_.groups.push_back(std::move(tested.group));
     }
     check_.effective_tests += EffectiveTests(SmallestFormPValues(
         {moments_.begin(), moments_.begin() + static_cast<std::ptrdiff_t>(num_tested_)}, energies_,
@@ -211,7 +208,7 @@ class Checker {
     return {std::move(group), fit.p_value};
   }
 
-  void CheckCommonErrors(const Eigen::VectorXd& with_effects) {
+  void CheckCommonErrors() {
     for (std::size_t c = num_channels_; c < num_tested_; ++c) {
       const FormMoments& moments = moments_[c];
       CommonErrorCheck common;
@@ -224,8 +221,8 @@ class Checker {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
       }
-      const double left = forms_[c].Energy(with_effects);
-      common.explained = family_.FamilyWise(moments.UpperTail(left)) > kFamilyLevel;
+      const double left = forms_[c].Energy(left_);
+      common.explained = family_.FamilyWise(noisy_moments_[c].UpperTail(left)) > kFamilyLevel;
       const double variance =
           moments.variance > 0.0 ? 2.0 * (left - moments.mean) / moments.variance : 0.0;
       common.sigma = std::sqrt(std::max(0.0, variance));
@@ -234,7 +231,7 @@ class Checker {
       common.max_shift_sigmas = family_.InSigmas(move);
       if (common.p_value <= kFamilyLevel) {
         common.worst = WorstLabel(forms_[c]);
-        common.covered = IsCovered(common, forms_[c], moments, left);
+        common.covered = IsCovered(common, c, left);
       }
       check_.common_errors.push_back(std::move(common));
     }
@@ -242,13 +239,13 @@ class Checker {
 
   /// Returns whether the noise in the watched sigmas explains a common error, or leaves too little
   /// of it to count. `energy` is that of the residuals with all effects.
-  bool IsCovered(const CommonErrorCheck& common, const ResidualForm& form,
-                 const FormMoments& moments, double energy) const {
-    const double growth = noise_.Growth(form, moments);
-    if (growth <= 1.0) return false;
-    if (family_.FamilyWise(moments.UpperTail(energy / growth)) > kFamilyLevel) return true;
+  bool IsCovered(const CommonErrorCheck& common, std::size_t form, double energy) const {
+    const double own = noise_.Growth(forms_[form], moments_[form]);
+    const FormMoments& noisy = noisy_moments_[form];
+    if (own <= 1.0 && noisy.mean == moments_[form].mean) return false;
+    if (family_.FamilyWise(noisy.UpperTail(energy / own)) > kFamilyLevel) return true;
     const double left =
-        std::max(0.0, energy - growth * moments.mean) / std::max(energy - moments.mean, 1e-300);
+        std::max(0.0, energy - own * noisy.mean) / std::max(energy - moments_[form].mean, 1e-300);
     return common.max_shift_sigmas * std::sqrt(left) <= kMaxShiftInSigmas;
   }
 
@@ -361,18 +358,73 @@ class Checker {
     effects->mountings_covariance += noise_.AddedCovariance(gain);
   }
 
-  /// Takes the noise beyond the stated one: from here on, the watched sigmas contain it. `left` are
-  /// the residuals with all effects.
-  void TakeNoise(const Eigen::VectorXd& left, const UnmodelledUnknowns& unmodelled) {
-    if (!check_.unmodelled || !family_.of_boresight) return;
-    noise_ = MakeNoise(left);
-    AllowForNoise();
+  bool HasNoiseBeyondModel() const { return check_.unmodelled && family_.of_boresight; }
+
+  /// Estimates the noise beyond the stated one, from the residuals with all effects. Effects that
+  /// this noise explains are dropped, and the noise is estimated without them. `score` is the one
+  /// that the effects were selected from.
+  void EstimateNoise(const JointScore& score, const UnmodelledUnknowns& unmodelled) {
+    left_ = ResidualWithEffects(unmodelled);
+    noisy_moments_ = moments_;
+    if (!HasNoiseBeyondModel()) return;
+    noise_ = MakeNoise(left_);
+    while (DropExplainedEffects(score, unmodelled)) {
+      left_ = ResidualWithEffects(unmodelled);
+      noise_ = MakeNoise(left_);
+    }
+    PropagateNoise();
+  }
+
+  /// Returns the channels with noise beyond the stated one. Leaves out those whose residuals show
+  /// the errors of other sensors more than their own.
+  std::vector<std::string> ChannelsWithOwnNoise() const {
+    constexpr double kOwnShare = 0.5;
+    std::vector<std::string> channels = noise_.Channels();
+    std::erase_if(channels, [&](const std::string& channel) {
+      return std::any_of(check_.groups.begin(), check_.groups.end(), [&](const GroupCheck& group) {
+        return group.name == channel &&
+               group.redundancy < kOwnShare * static_cast<double>(group.observations);
+      });
+    });
+    return channels;
+  }
+
+  /// Computes the moments of the tested forms if the noise of the other ChannelsWithOwnNoise is as
+  /// large as their residuals show. A trajectory that follows errors of the pairs has larger
+  /// inertial residuals.
+  void PropagateNoise() {
+    const bool suspicious =
+        std::any_of(check_.groups.begin(), check_.groups.end(), [](const GroupCheck& group) {
+          return group.variance_ratio > 1.0 && group.p_value <= kFamilyLevel;
+        });
+    const std::vector<std::string> channels = ChannelsWithOwnNoise();
+    if (!suspicious || channels.empty()) return;
+    noisy_moments_ = MomentsWithNoise(
+        {forms_.begin(), forms_.begin() + static_cast<std::ptrdiff_t>(num_tested_)}, marginals_,
+        noise_, channels);
+  }
+
+  /// Takes what the effects and the noise change in the figures of the whole adjustment.
+  void TakeEffects() {
+    check_.effects = selection_.effects;
+    SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
+    check_.sigma0_with_effects =
+        trajectory_.figures.sigma0 * left_.norm() / linearized_.residual().norm();
+    for (std::size_t g = 0; g < num_channels_; ++g) {
+      GroupCheck& group = check_.groups[g];
+      group.ratio_with_effects = forms_[g].Energy(left_) / std::max(group.redundancy, 1e-12);
+      if (!HasNoiseBeyondModel()) continue;
+      group.explained = Fits(g, group.variance_ratio);
+      group.covered = Fits(g, group.ratio_with_effects / kLargestVarianceRatio);
+    }
+  }
+
+  /// Takes the noise beyond the stated one: from here on, the watched sigmas contain it.
+  void TakeNoise(const UnmodelledUnknowns& unmodelled) {
+    if (!HasNoiseBeyondModel()) return;
     // The shift of the reported angles by a unit error of each row.
     const Eigen::MatrixXd gain =
         gain_ - marginals_.Project(EffectRows(unmodelled.Gain().leftCols(gain_.cols())));
-    for (std::size_t g = 0; g < num_channels_; ++g) {
-      check_.groups[g].covered = IsTolerated(check_.groups[g], moments_[g]);
-    }
     UnmodelledEffects& effects = *check_.unmodelled;
     const Eigen::Matrix3d added =
         noise_.AddedCovariance(gain, network_.flight().config.lidar->sigma_p_m,
@@ -397,14 +449,54 @@ class Checker {
             residual};
   }
 
-  /// Tests the found effects of the lidar again, at the noise that the pairs have with them.
-  void AllowForNoise() {
+  /// Tests the found effects again, at the noise that the residuals have with all of them. Drops
+  /// those that are not significant any more, and returns whether there were any.
+  bool DropExplainedEffects(const JointScore& score, const UnmodelledUnknowns& unmodelled) {
+    std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < selection_.chosen.size(); ++k) {
-      if (EffectRow(*selection_.chosen[k].id).sensor != EffectSensor::kLidar) continue;
-      const ScoreTest& test = selection_.tests[k];
-      const double p = ChiSquareTail(test.statistic / noise_.PairGrowth(), test.dof);
-      check_.effects[k].p_value = family_.FamilyWise(p);
+      const bool of_pairs = EffectRow(*selection_.chosen[k].id).sensor == EffectSensor::kLidar;
+      const double p = of_pairs ? PValueAtPairNoise(k) : PValueAtNoise(k, score, unmodelled);
+      selection_.effects[k].p_value = family_.FamilyWise(p);
+      if (selection_.effects[k].p_value <= kFamilyLevel) kept.push_back(k);
     }
+    if (kept.size() == selection_.chosen.size()) return false;
+    selection_ = Keep(selection_, kept, score, family_);
+    return true;
+  }
+
+  /// Returns the p-value of a found effect of the lidar if its columns agree with the noise of the
+  /// pairs as well as any can: clusters of pairs may be few.
+  double PValueAtPairNoise(std::size_t found) const {
+    const ScoreTest& test = selection_.tests[found];
+    return ChiSquareTail(test.statistic / noise_.PairGrowth(), test.dof);
+  }
+
+  /// Returns the p-value of a found effect beside the others. The covariance of its score is that
+  /// of the stated noise and of the noise beyond it.
+  double PValueAtNoise(std::size_t found, const JointScore& score,
+                       const UnmodelledUnknowns& unmodelled) const {
+    std::vector<HypothesisEvidence> others = selection_.chosen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(found));
+    const JointColumns own = CombineFixed({selection_.chosen[found]}, score);
+    const JointColumns beside = CombineFixed(others, score);
+    // The columns of the effect, as far as the others do not take their part.
+    Eigen::MatrixXd left = own.T;
+    if (beside.T.cols() > 0) {
+      left -= beside.T * beside.Information(score).completeOrthogonalDecomposition().solve(
+                             beside.T.transpose() * score.A * own.T);
+    }
+    const Eigen::MatrixXd gain = marginals_.Project(EffectRows(unmodelled.Follow(left)));
+    const ScoreTest test =
+        TestScore(left.transpose() * score.s,
+                  left.transpose() * score.A * left + noise_.AddedCovariance(gain),
+                  own.T.cwiseAbs2().transpose() * score.signature2);
+    return test.dof > 0 ? ChiSquareTail(test.statistic, test.dof) : 1.0;
+  }
+
+  /// Returns the residuals if the unmodelled and the found effects were estimated.
+  Eigen::VectorXd ResidualWithEffects(const UnmodelledUnknowns& unmodelled) const {
+    if (selection_.chosen.empty()) return residual_;
+    return ResidualWith(unmodelled.EstimateBeside(selection_.joint) + selection_.joint);
   }
 
   /// Returns the residuals if all discrepancies were estimated. The noise of the pairs must not
@@ -423,12 +515,13 @@ class Checker {
     return ResidualWith(unmodelled.EstimateBeside(found) + found);
   }
 
-  /// Returns whether the residuals of a group, with all effects, agree with noise of the largest
-  /// variance that is tolerated.
-  bool IsTolerated(const GroupCheck& group, const FormMoments& moments) const {
-    const FormMoments expected{group.redundancy, moments.variance, moments.samples};
-    const double energy = group.ratio_with_effects * group.redundancy;
-    return family_.FamilyWise(expected.UpperTail(energy / kLargestVarianceRatio)) > kFamilyLevel;
+  /// Returns whether this variance ratio of a group agrees with its own stated noise, and with the
+  /// noise of the other sensors.
+  bool Fits(std::size_t group, double ratio) const {
+    const double redundancy = check_.groups[group].redundancy;
+    FormMoments expected = noisy_moments_[group];
+    if (moments_[group].mean > 0.0) expected.mean *= redundancy / moments_[group].mean;
+    return family_.FamilyWise(expected.UpperTail(ratio * redundancy)) > kFamilyLevel;
   }
 
   /// Returns the first rows of the watched rotations in the shift of a score.
@@ -442,13 +535,10 @@ class Checker {
   }
 
   /// `score`: that of the model with the unmodelled effects.
-  void FindEffects(JointScore score) {
-    score.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
+  void FindEffects(const JointScore& score) {
     smallest_p_ = std::min(smallest_p_, SmallestEffectPValue(library_, score));
     check_.effective_tests += EffectiveTests(SmallestScorePValues(library_, score, kScoreDraws));
     selection_ = SelectByScores(library_, score, family_);
-    check_.effects = selection_.effects;
-    SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
     check_.undetectable = FindUndetectable(library_, score, family_, prior_);
   }
 
@@ -612,8 +702,10 @@ class Checker {
   std::vector<FormMoments> moments_;
   double smallest_p_ = 1.0;   // of all tests, raw
   Eigen::VectorXd residual_;  // with the unmodelled effects
+  Eigen::VectorXd left_;      // with these and the found effects
   ScoreSelection selection_;
   NoiseBeyondModel noise_;
+  std::vector<FormMoments> noisy_moments_;  // with the noise that the other sensors have
   ModelCheck check_;
 };
 

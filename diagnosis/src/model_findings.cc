@@ -42,9 +42,7 @@ void JudgeEffects(bool told, ModelCheck* check) {
     if (told && of_clock) continue;
     const bool fault =
         effect.prior_sigmas ? !effect.within_prior() : effect.max_shift_sigmas > kMaxShiftInSigmas;
-    // Noise beyond the stated one may make it insignificant after it was found.
-    Add(facts::EffectPresent{effect, check->of_boresight}, fault && effect.p_value <= kFamilyLevel,
-        effect.log_evidence, check);
+    Add(facts::EffectPresent{effect, check->of_boresight}, fault, effect.log_evidence, check);
   }
 }
 
@@ -72,7 +70,7 @@ void JudgeIsolatedRows(ModelCheck* check) {
 void JudgeGroups(ModelCheck* check) {
   for (const GroupCheck& group : check->groups) {
     if (group.isolated) continue;
-    if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0) continue;
+    if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0 || group.explained) continue;
     const bool contradicts = group.ratio_with_effects > kLargestVarianceRatio && !group.covered;
     Add(facts::VarianceTooLarge{group}, contradicts, 0.0, check);
   }

@@ -44,20 +44,17 @@ std::vector<PlacedPair> PlacePairs(const FlightNetwork& network,
   return placed;
 }
 
-ResidualForm MakeForm(const std::vector<PlacedPair>& pairs, Eigen::Index num_rows,
+ResidualForm MakeForm(const std::vector<PlacedPair>& pairs, Eigen::Index num_rows, int axis,
                       const std::string& channel, double length_m) {
-  using Tile = std::tuple<const StripInterval*, const StripInterval*, long, long, int>;
+  using Tile = std::tuple<const StripInterval*, const StripInterval*, long, long>;
   ResidualForm form{fmt::format("{}, over {:g} m", channel, length_m), channel, {}, 0, {}};
   form.label.assign(static_cast<std::size_t>(num_rows), -1);
   std::map<Tile, int> label;
   for (const PlacedPair& pair : pairs) {
     const auto number = [&](double x_m) { return std::lround(std::floor(x_m / length_m)); };
-    for (int k = 0; k < pair.rows.count; ++k) {
-      const Tile tile{pair.strip_i, pair.strip_j, number(pair.point_m.x()),
-                      number(pair.point_m.y()), k};
-      form.label[static_cast<std::size_t>(pair.rows.first) + static_cast<std::size_t>(k)] =
-          label.try_emplace(tile, static_cast<int>(label.size())).first->second;
-    }
+    const Tile tile{pair.strip_i, pair.strip_j, number(pair.point_m.x()), number(pair.point_m.y())};
+    form.label[static_cast<std::size_t>(pair.rows.first + axis)] =
+        label.try_emplace(tile, static_cast<int>(label.size())).first->second;
   }
   form.labels = static_cast<int>(label.size());
   return form;
@@ -72,9 +69,12 @@ std::vector<ResidualForm> PairClusters(const FlightNetwork& network,
   const std::vector<PlacedPair> pairs = PlacePairs(network, linearized, strips);
   std::vector<ResidualForm> forms;
   if (pairs.empty()) return forms;
-  const std::string channel = linearized.group(pairs.front().rows.factor).Channel(0);
-  for (const double length_m : lengths_m) {
-    forms.push_back(MakeForm(pairs, linearized.rows(), channel, length_m));
+  const FactorGroup& group = linearized.group(pairs.front().rows.factor);
+  for (int axis = 0; axis < pairs.front().rows.count; ++axis) {
+    const std::string channel = group.Channel(axis) + " " + group.Axis(axis);
+    for (const double length_m : lengths_m) {
+      forms.push_back(MakeForm(pairs, linearized.rows(), axis, channel, length_m));
+    }
   }
   return forms;
 }

@@ -54,6 +54,27 @@ std::vector<std::string> InseparableEffects(const ExtendedFit& without, const Ex
   return names;
 }
 
+/// Estimates all chosen effects jointly, and computes the shift by each of them.
+void EstimateTogether(const JointScore& score, const TestFamily& family, ScoreSelection* out) {
+  out->joint = Eigen::VectorXd::Zero(score.s.size());
+  if (out->chosen.empty()) return;
+  const JointColumns columns = CombineFixed(out->chosen, score);
+  const ScoreTest test = columns.Test(score);
+  TakeJointEstimates(test, &out->chosen);
+  out->joint = columns.T * test.estimate;
+  const Eigen::VectorXd shrunk =
+      columns.T * ShrunkEstimate(columns.Information(score), columns.Score(score), columns.typical);
+  for (std::size_t k = 0; k < out->chosen.size(); ++k) {
+    const HypothesisEvidence& effect = out->chosen[k];
+    const Eigen::VectorXd shift = SelectShift(effect, score) * SelectScore(effect, score, shrunk);
+    EffectCheck& check = out->effects[k];
+    check.estimate = effect.per_si * effect.estimate;
+    check.sigma = effect.per_si * effect.sigma;
+    check.max_shift_sigmas = family.InSigmas(shift);
+    check.boresight_rad = family.BoresightShift(shift);
+  }
+}
+
 class ScoreSelector {
  public:
   ScoreSelector(const Library& library, const JointScore& score, const TestFamily& family)
@@ -70,8 +91,7 @@ class ScoreSelector {
     selection.Grow();
     out_.left = last_->score;
     out_.chosen = selection.Take().chosen;
-    out_.joint = Eigen::VectorXd::Zero(score_.s.size());
-    if (!out_.chosen.empty()) EstimateTogether();
+    EstimateTogether(score_, family_, &out_);
     return std::move(out_);
   }
 
@@ -113,27 +133,6 @@ class ScoreSelector {
     return with;
   }
 
-  /// Estimates all chosen effects jointly, and computes the shift by each of them.
-  void EstimateTogether() {
-    const JointColumns columns = CombineFixed(out_.chosen, score_);
-    const ScoreTest test = columns.Test(score_);
-    TakeJointEstimates(test, &out_.chosen);
-    out_.joint = columns.T * test.estimate;
-    const Eigen::VectorXd shrunk =
-        columns.T *
-        ShrunkEstimate(columns.Information(score_), columns.Score(score_), columns.typical);
-    for (std::size_t k = 0; k < out_.chosen.size(); ++k) {
-      const HypothesisEvidence& effect = out_.chosen[k];
-      const Eigen::VectorXd shift =
-          SelectShift(effect, score_) * SelectScore(effect, score_, shrunk);
-      EffectCheck& check = out_.effects[k];
-      check.estimate = effect.per_si * effect.estimate;
-      check.sigma = effect.per_si * effect.sigma;
-      check.max_shift_sigmas = family_.InSigmas(shift);
-      check.boresight_rad = family_.BoresightShift(shift);
-    }
-  }
-
   const std::vector<Hypothesis>& hypotheses_;
   const JointScore& score_;
   const TestFamily& family_;
@@ -146,6 +145,19 @@ class ScoreSelector {
 ScoreSelection SelectByScores(const Library& library, const JointScore& score,
                               const TestFamily& family) {
   return ScoreSelector(library, score, family).Run();
+}
+
+ScoreSelection Keep(const ScoreSelection& selection, const std::vector<std::size_t>& kept,
+                    const JointScore& score, const TestFamily& family) {
+  ScoreSelection out;
+  for (const std::size_t k : kept) {
+    out.effects.push_back(selection.effects[k]);
+    out.chosen.push_back(selection.chosen[k]);
+    out.tests.push_back(selection.tests[k]);
+  }
+  out.left = kept.empty() ? score : ConditionOn(score, CombineFixed(out.chosen, score).T);
+  EstimateTogether(score, family, &out);
+  return out;
 }
 
 std::vector<DiscrepancyCheck> CheckDiscrepancies(const Library& library, const JointScore& left,

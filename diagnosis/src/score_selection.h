@@ -4,6 +4,7 @@
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "evidence.h"
@@ -26,6 +27,11 @@ struct ScoreSelection {
 /// selected ones as unknowns. Then estimates all of them jointly. `score` is that of the library.
 ScoreSelection SelectByScores(const Library& library, const JointScore& score,
                               const TestFamily& family);
+
+/// Returns a selection with some of the effects of another, estimated again. `kept` are their
+/// indices in ascending order. `score` is the one that was selected from.
+ScoreSelection Keep(const ScoreSelection& selection, const std::vector<std::size_t>& kept,
+                    const JointScore& score, const TestFamily& family);
 
 /// Tests the unmodelled discrepancies of the library after the found effects have become unknowns;
 /// `left` is the score with them. `excess` is the noise variance over the stated one. Leaves out

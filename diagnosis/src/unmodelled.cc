@@ -155,6 +155,14 @@ VectorXd UnmodelledUnknowns::EstimateBeside(const VectorXd& others) const {
   return estimate;
 }
 
+MatrixXd UnmodelledUnknowns::Follow(const MatrixXd& X) const {
+  MatrixXd all = X;
+  if (!empty()) {
+    all(components_, Eigen::all) -= covariance_ * (score_.A(components_, Eigen::all) * X);
+  }
+  return all;
+}
+
 JointScore UnmodelledUnknowns::Conditioned() const {
   if (empty()) return score_;
   JointScore left = fixed_.empty() ? score_ : ConditionOnPrior(score_, fixed_, sigma_, inverse_);

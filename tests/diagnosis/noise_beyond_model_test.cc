@@ -53,13 +53,18 @@ TEST(NoiseBeyondModel, ClustersDivideAllRowsOfPairs) {
   const FlightNetwork& network = *calibration.adjustment.network;
   const std::vector<ResidualForm> forms =
       diagnosis_internal::PairClusters(network, calibration.marginals.linearized(), {15.0, 1e6});
-  ASSERT_EQ(forms.size(), 2U);
-  long rows = 0;
-  for (const int label : forms[0].label) rows += label >= 0 ? 1 : 0;
-  EXPECT_EQ(rows, 3 * static_cast<long>(network.pairs().edges().size()));
-  // Four tiles of any size meet at the origin of the map, and each has up to three pairs of strips.
-  EXPECT_LE(forms[1].labels, 4 * 3 * 3);
-  EXPECT_GT(forms[0].labels, forms[1].labels);
+  ASSERT_EQ(forms.size(), 6U);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const ResidualForm &small = forms[2 * axis], &large = forms[2 * axis + 1];
+    EXPECT_EQ(small.channel, large.channel);
+    EXPECT_EQ(std::count_if(small.label.begin(), small.label.end(), [](int k) { return k >= 0; }),
+              static_cast<long>(network.pairs().edges().size()));
+    // Four tiles of any size meet at the origin of the map, and each has up to three pairs of
+    // strips.
+    EXPECT_LE(large.labels, 4 * 3);
+    EXPECT_GT(small.labels, large.labels);
+  }
+  EXPECT_EQ(forms[4].channel, "lidar p2p up");
 }
 
 TEST(NoiseBeyondModelManyRuns, SharedErrorsOfPairsAreInTheSigma) {
@@ -85,6 +90,36 @@ TEST(NoiseBeyondModelManyRuns, SharedErrorsOfPairsAreInTheSigma) {
   EXPECT_GT(modelled, 1.3 * reported);
 }
 
+// A trajectory follows errors that many pairs share. The inertial residuals are then large, and
+// inertial effects seem to be there.
+TEST(NoiseBeyondModelManyRuns, SharedErrorsOfPairsDoNotContradictTheInertialData) {
+  int calibrated = 0;
+  constexpr int kFlights = 6;
+  for (unsigned seed = 1; seed <= kFlights; ++seed) {
+    Scenario scenario = testing::AircraftScenario();
+    scenario.pairs.count = 3000;
+    scenario.pairs.shared_fraction = 0.3;
+    scenario.pairs.shared_length_m = 60.0;
+    const SimulatedFlight sim = testing::Fly(scenario, seed);
+    calibrated += Solution(sim.flight).CheckedBoresight().verdict == Verdict::kCalibrated ? 1 : 0;
+  }
+  EXPECT_GE(calibrated, kFlights - 1);
+}
+
+// Pairs that share no errors do not excuse too small a noise of the accelerometers.
+TEST(NoiseBeyondModel, InertialNoiseThatNoOtherSensorExplainsIsReported) {
+  const std::string effect = "effects: [{effect: accel_noise_scale, value: 20}]\n";
+  const SimulatedFlight sim = testing::Fly(testing::AircraftScenario(effect), 3);
+  const Solution solution(sim.flight);
+  const std::vector<GroupCheck>& groups = solution.model_check().groups;
+  const auto position = std::find_if(groups.begin(), groups.end(), [](const GroupCheck& group) {
+    return group.name == "inertial position";
+  });
+  ASSERT_NE(position, groups.end());
+  EXPECT_LT(position->p_value, 1e-3);
+  EXPECT_FALSE(position->explained);
+}
+
 TEST(NoiseBeyondModel, NoiseOfAnotherSizeIsInTheSigma) {
   const std::string effect = "effects: [{effect: p2p_noise_scale, value: 1.38}]\n";
   SimulatedFlight sim = testing::Fly(testing::AircraftScenario(effect), 4);
@@ -95,8 +130,8 @@ TEST(NoiseBeyondModel, NoiseOfAnotherSizeIsInTheSigma) {
   const EffectContribution* part = FindPart(boresight, "lidar p2p noise");
   ASSERT_NE(part, nullptr);
   EXPECT_NEAR(part->estimate[0], 1.38, 0.1);
-  // 1200 residuals; the degrees of freedom have a margin for their own uncertainty.
-  EXPECT_NEAR(part->sigma[0], 1.2 * 1.38 / std::sqrt(2.0 * 1200.0), 0.01);
+  // 400 residuals of an axis; the degrees of freedom have a margin for their own uncertainty.
+  EXPECT_NEAR(part->sigma[0], 1.2 * 1.38 / std::sqrt(2.0 * 400.0), 0.01);
   const Eigen::Vector3d growth =
       boresight.sigma_rad().cwiseQuotient(boresight.as_modelled->sigma_rad());
   EXPECT_GT(growth.maxCoeff(), 1.1);

@@ -86,6 +86,16 @@ TEST(MonteCarloSummary, FailuresAreCountedAndNamed) {
   EXPECT_THROW(Summarise(records), InvalidInput);
 }
 
+TEST(MonteCarloSummary, RejectedModelsAreNamed) {
+  std::vector<FlightRecord> records = Records(10, 1.0);
+  records[3].contradiction = "the antenna is elsewhere";
+  const MonteCarloSummary summary = Summarise(records);
+  EXPECT_DOUBLE_EQ(summary.share_contradicted.value, 0.1);
+  const std::string expected = "seed 4: the antenna is elsewhere";
+  EXPECT_EQ(summary.contradictions, std::vector<std::string>{expected});
+  EXPECT_NE(FormatTable(summary, "made up").find(expected), std::string::npos);
+}
+
 TEST(FlightRecord, SurvivesItsFile) {
   FlightRecord record = Records(1, 1.0).front();
   record.epochs[7].nees[3] = std::nan("");

@@ -1,3 +1,4 @@
+#include <dn/adjustment/words.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
@@ -187,7 +188,7 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
     const ModelCheck& check = solution.model_check();
     const bool drawn = options.unmodelled.has_value() && check.unmodelled.has_value();
     if (drawn) record.chi2 *= std::pow(check.sigma0_with_effects / trajectory.figures.sigma0, 2);
-    record.contradicted = check.contradicted();
+    if (check.contradicted()) record.contradiction = Words(check.findings.front());
     record.check_p_value = check.p_value;
     record.residuals = trajectory.residuals;
     record.innovations = trajectory.innovations;

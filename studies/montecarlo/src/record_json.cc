@@ -95,7 +95,7 @@ Json ToJson(const FlightRecord& record) {
           {"chi2", record.chi2},
           {"redundancy", record.redundancy},
           {"outliers", record.outliers},
-          {"contradicted", record.contradicted},
+          {"contradiction", record.contradiction},
           {"check_p_value", record.check_p_value},
           {"position_rms_m", dn::ToJson(record.position_rms_m)},
           {"velocity_rms_mps", dn::ToJson(record.velocity_rms_mps)},
@@ -116,7 +116,7 @@ FlightRecord FlightRecordFromJson(const JsonPlace& json) {
   record.chi2 = json.At("chi2").Number(0.0, kMostFigure);
   record.redundancy = json.At("redundancy").Integer(0, kMostRedundancy);
   record.outliers = json.At("outliers").Integer(0, kMostRedundancy);
-  record.contradicted = json.At("contradicted").Flag();
+  record.contradiction = json.At("contradiction").Text();
   record.check_p_value = json.At("check_p_value").Number(0.0, 1.0);
   record.position_rms_m = ReadFiniteVector3(json.At("position_rms_m"));
   record.velocity_rms_mps = ReadFiniteVector3(json.At("velocity_rms_mps"));

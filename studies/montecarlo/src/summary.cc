@@ -131,13 +131,19 @@ void AddCost(const std::vector<FlightRecord>& records, MonteCarloSummary* summar
                                 BinomialInterval(kProbability, n, kProbability)};
 }
 
+std::string SeedMessage(const FlightRecord& record, const std::string& message) {
+  return "seed " + std::to_string(record.seed) + ": " + message;
+}
+
 void AddModelChecks(const std::vector<FlightRecord>& records, MonteCarloSummary* summary) {
   constexpr double kFalseAlarms = 0.001;  // significance level of the model check of one flight
   const auto n = static_cast<long>(records.size());
-  const auto contradicted =
-      std::count_if(records.begin(), records.end(),
-                    [](const FlightRecord& record) { return record.contradicted; });
-  summary->share_contradicted = {static_cast<double>(contradicted) / static_cast<double>(n),
+  for (const FlightRecord& record : records) {
+    if (record.contradiction.empty()) continue;
+    summary->contradictions.push_back(SeedMessage(record, record.contradiction));
+  }
+  const auto contradicted = static_cast<double>(summary->contradictions.size());
+  summary->share_contradicted = {contradicted / static_cast<double>(n),
                                  {0.0, BinomialInterval(kProbability, n, kFalseAlarms).high}};
 }
 
@@ -175,8 +181,7 @@ MonteCarloSummary Summarise(const std::vector<FlightRecord>& records) {
     if (record.failure.empty()) {
       good.push_back(record);
     } else {
-      summary.failure_messages.push_back("seed " + std::to_string(record.seed) + ": " +
-                                         record.failure);
+      summary.failure_messages.push_back(SeedMessage(record, record.failure));
     }
   }
   summary.flights = static_cast<long>(good.size());

@@ -72,6 +72,7 @@ Json ToJson(const MonteCarloSummary& s) {
                {"chi2_per_dof", ToJson(s.chi2_per_dof)},
                {"share_of_flights_with_chi2_inside", ToJson(s.share_chi2_inside)},
                {"share_of_flights_contradicted", ToJson(s.share_contradicted)},
+               {"contradictions", s.contradictions},
                {"trajectory", Json::array()},
                {"position_rms_m", dn::ToJson(s.position_rms_m)},
                {"velocity_rms_mps", dn::ToJson(s.velocity_rms_mps)},
@@ -96,6 +97,7 @@ std::string FormatTable(const MonteCarloSummary& s, const std::string& scenario)
   text += Line("2 x cost / redundancy", s.chi2_per_dof);
   text += Line("flights with 2 x cost in its band", s.share_chi2_inside);
   text += Line("flights with rejected model", s.share_contradicted);
+  for (const std::string& message : s.contradictions) text += "    " + message + "\n";
   if (s.with_pairs) {
     const auto& b = s.boresight;
     text += fmt::format(

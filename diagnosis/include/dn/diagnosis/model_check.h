@@ -131,7 +131,9 @@ struct ModelCheck {
 ///
 /// tr(M_gg^2) and the moments of the sums over windows are estimated from 32 samples of M e, e ~
 /// N(0, I), with a fixed seed. The p-values are those of a chi-square distribution with the same
-/// mean and variance.
+/// mean and variance. Residuals of other sensors follow errors that pairs share: a group or common
+/// error that is significant is tested again with samples that have the noise that the residuals
+/// of the other sensors show. An effect of the lidar that this noise explains is dropped.
 ///
 /// A finding contradicts the model in these cases:
 ///   - an effect with a prior (UnmodelledPrior) is significant at the family-wise level 0.001 and

@@ -24,6 +24,8 @@ struct GroupCheck {
   /// The reported covariance contains noise of the size that the residuals show, and their ratio is
   /// not significantly above the largest one that is tolerated.
   bool covered = false;
+  /// Not significant any more if the noise of other sensors is as large as their residuals show.
+  bool explained = false;
 };
 
 /// Test for errors that residuals share: sum, over time windows, of the squared sum of the
@@ -39,7 +41,9 @@ struct CommonErrorCheck {
   double max_shift_sigmas = 0.0;
   /// Nats, for a common error of the likeliest size against no common error.
   double log_evidence = 0.0;
-  bool explained = false;  ///< no longer significant if the found effects are estimated
+  /// No longer significant if the found effects are estimated, and the noise of other sensors is as
+  /// large as their residuals show.
+  bool explained = false;
   /// The reported covariance contains errors that residuals of the group share, and what goes
   /// beyond them is not significant or shifts no watched unknown by more than its sigma.
   bool covered = false;

@@ -36,7 +36,9 @@ struct FlightRecord {
   double chi2 = 0.0;  ///< twice the cost, with the effects if they are drawn
   long redundancy = 0;
   long outliers = 0;
-  bool contradicted = false;  ///< the model check rejects the model, although it is the true one
+  /// The first reason of the model check to reject the model, although it is the true one. Empty
+  /// if it does not.
+  std::string contradiction;
   double check_p_value = 1.0;
   std::vector<EpochErrors> epochs;
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();    ///< east, north, up, all nodes

@@ -60,6 +60,7 @@ struct MonteCarloSummary {
   TestedStatistic share_chi2_inside;  ///< share of flights whose chi2 is inside its own 99 % band
   /// Share of flights whose model is rejected by the model check, although it is the true one.
   TestedStatistic share_contradicted;
+  std::vector<std::string> contradictions;  ///< of these flights: "seed 7: ..."
   std::vector<SensorConsistency> residuals;
   std::vector<SensorConsistency> innovations;
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();
