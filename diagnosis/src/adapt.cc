@@ -2,6 +2,7 @@
 #include <dn/diagnosis/gap_output.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -193,7 +194,13 @@ FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) 
 }
 
 FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis) {
-  FlightConfig config = Adapted(flight, VerdictCauses(diagnosis));
+  std::vector<GapCause> causes = VerdictCauses(diagnosis);
+  for (const GapHeavyTails& tails : diagnosis.verdict.heavy_tails) {
+    for (const GapCause& cause : diagnosis.causes) {
+      if (HasName(tails.replaced, cause.effect)) causes.push_back(cause);
+    }
+  }
+  FlightConfig config = Adapted(flight, causes);
   config.unexplained = UnexplainedWords(diagnosis);
   return config;
 }

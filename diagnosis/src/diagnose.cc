@@ -5,6 +5,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/interrupted.h>
+#include <dn/names.h>
 #include <dn/sim/random.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -214,11 +215,64 @@ class Diagnosis {
       out_.verdict.kind = GapVerdictKind::kUnavailable;
       return;
     }
+    const std::vector<GapHeavyTails> heavy_tails = FindHeavyTails();
     std::vector<std::string> named;
-    for (const HypothesisEvidence& effect : selection_.chosen) named.push_back(effect.name);
+    for (const HypothesisEvidence& effect : selection_.chosen) {
+      if (!IsReplaced(heavy_tails, effect.name)) named.push_back(effect.name);
+    }
     const Decision decision{out_.detected, DiscrepancyIsBetter(), GapRemains()};
     out_.verdict = Decide(decision, named, hypotheses_);
+    out_.verdict.rest =
+        decision.discrepancy_is_better ||
+        (selection_.final && DiscrepancyEvidence(selection_.final->effects) > Threshold());
+    if (!heavy_tails.empty()) TakeHeavyTails(heavy_tails);
     if (source_.adjusts()) out_.verdict.implausible = Implausible();
+  }
+
+  /// Returns the sensors whose selected outliers are the tails of their noise.
+  std::vector<GapHeavyTails> FindHeavyTails() const {
+    struct OfSensor {
+      const char* name;
+      EffectId outliers, scale;
+    };
+    constexpr OfSensor kSensors[] = {{"gnss", EffectId::kGnssOutliers, EffectId::kGnssNoiseScale},
+                                     {"lidar", EffectId::kP2pOutliers, EffectId::kP2pNoiseScale}};
+    std::vector<GapHeavyTails> found;
+    for (const OfSensor& sensor : kSensors) {
+      if (!Contains(selection_.chosen, sensor.outliers)) continue;
+      const std::optional<NoiseShape> shape = source_.Shape(*selection_.base, sensor.outliers);
+      if (!shape || shape->outlier_lead_nats > -kDiscrepancyLeadNats) continue;
+      GapHeavyTails tails{sensor.name, shape->dof, shape->scale, -shape->outlier_lead_nats, {}};
+      for (const EffectId effect : {sensor.outliers, sensor.scale}) {
+        if (Contains(selection_.chosen, effect)) tails.replaced.push_back(EffectName(effect));
+      }
+      found.push_back(std::move(tails));
+    }
+    return found;
+  }
+
+  static bool IsReplaced(const std::vector<GapHeavyTails>& heavy_tails, const std::string& effect) {
+    return std::any_of(heavy_tails.begin(), heavy_tails.end(),
+                       [&](const auto& tails) { return HasName(tails.replaced, effect); });
+  }
+
+  /// No effect of the table is noise with heavy tails.
+  void TakeHeavyTails(const std::vector<GapHeavyTails>& heavy_tails) {
+    GapVerdict& verdict = out_.verdict;
+    verdict.heavy_tails = heavy_tails;
+    verdict.unknown = true;
+    verdict.kind = verdict.effects.empty() ? GapVerdictKind::kUnknown : GapVerdictKind::kPartial;
+    LowerReplaced();
+  }
+
+  /// Lowers the probabilities of effects that describe heavy tails worse.
+  void LowerReplaced() {
+    for (const GapHeavyTails& tails : out_.verdict.heavy_tails) {
+      for (GapCause& cause : out_.causes) {
+        if (HasName(tails.replaced, cause.effect))
+          cause.posterior /= 1.0 + std::exp(tails.lead_nats);
+      }
+    }
   }
 
   /// Returns a named effect of implausible size, if there is one. An effect that is wrongly named

@@ -90,11 +90,24 @@ Json Discrepancies(const std::vector<GapDiscrepancy>& discrepancies) {
   return list;
 }
 
+Json HeavyTails(const std::vector<GapHeavyTails>& heavy_tails) {
+  Json list = Json::array();
+  for (const GapHeavyTails& tails : heavy_tails) {
+    list.push_back({{"sensor", tails.sensor},
+                    {"dof", tails.dof},
+                    {"scale", tails.scale},
+                    {"lead_nats", tails.lead_nats},
+                    {"replaced", tails.replaced}});
+  }
+  return list;
+}
+
 Json VerdictPart(const GapVerdict& verdict) {
   return {{"kind", Word(verdict.kind)},
           {"effects", verdict.effects},
           {"credible_set", verdict.credible_set},
           {"unknown", verdict.unknown},
+          {"heavy_tails", HeavyTails(verdict.heavy_tails)},
           {"tie_breaker", Text(verdict.tie_breaker)},
           {"text", verdict.text}};
 }

@@ -12,6 +12,7 @@
 #include "forward_selection.h"
 #include "held_out.h"
 #include "hypothesis_evidence.h"
+#include "noise_shape.h"
 #include "replicates.h"
 
 namespace dn::diagnosis_internal {
@@ -76,6 +77,12 @@ class GapSource {
   /// whether there is a gap.
   virtual void ListPlaces(const ExtendedFit& base, const Comparison& before,
                           const ExtendedFit& last, GapDiagnosis* diagnosis) const = 0;
+  /// Returns the shape of the noise of the measurements whose outliers are `outliers`; nullopt if
+  /// they are too few.
+  virtual std::optional<NoiseShape> Shape(const ExtendedFit& /*base*/,
+                                          EffectId /*outliers*/) const {
+    return std::nullopt;
+  }
   /// Returns the detection limits of the flight. `threshold_nats` is the least evidence for a name.
   virtual std::vector<DetectionLimit> Limits(const ExtendedFit& base,
                                              double threshold_nats) const = 0;

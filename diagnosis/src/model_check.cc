@@ -454,8 +454,7 @@ class Checker {
   bool DropExplainedEffects(const JointScore& score, const UnmodelledUnknowns& unmodelled) {
     std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < selection_.chosen.size(); ++k) {
-      const bool of_pairs = EffectRow(*selection_.chosen[k].id).sensor == EffectSensor::kLidar;
-      const double p = of_pairs ? PValueAtPairNoise(k) : PValueAtNoise(k, score, unmodelled);
+      const double p = std::max(PValueAtSharedNoise(k), PValueAtNoise(k, score, unmodelled));
       selection_.effects[k].p_value = family_.FamilyWise(p);
       if (selection_.effects[k].p_value <= kFamilyLevel) kept.push_back(k);
     }
@@ -464,11 +463,28 @@ class Checker {
     return true;
   }
 
-  /// Returns the p-value of a found effect of the lidar if its columns agree with the noise of the
-  /// pairs as well as any can: clusters of pairs may be few.
-  double PValueAtPairNoise(std::size_t found) const {
+  /// Returns the p-value of a found effect if its columns agree with the errors that the residuals
+  /// of its sensor share as well as any can: clusters of pairs, or windows of time, may be few.
+  double PValueAtSharedNoise(std::size_t found) const {
     const ScoreTest& test = selection_.tests[found];
-    return ChiSquareTail(test.statistic / noise_.PairGrowth(), test.dof);
+    const EffectSensor sensor = EffectRow(*selection_.chosen[found].id).sensor;
+    double growth = 1.0;
+    if (sensor == EffectSensor::kLidar) growth = noise_.PairGrowth();
+    if (sensor == EffectSensor::kGnss) growth = CommonGrowth("gnss position");
+    return ChiSquareTail(test.statistic / growth, test.dof);
+  }
+
+  /// Returns the largest significant ratio of the common errors of a channel, with all effects; at
+  /// least 1.
+  double CommonGrowth(const std::string& channel) const {
+    double largest = 1.0;
+    for (std::size_t c = num_channels_; c < num_tested_; ++c) {
+      if (forms_[c].channel != channel) continue;
+      const double energy = forms_[c].Energy(left_);
+      if (family_.FamilyWise(moments_[c].UpperTail(energy)) > kFamilyLevel) continue;
+      largest = std::max(largest, energy / std::max(moments_[c].mean, 1e-300));
+    }
+    return largest;
   }
 
   /// Returns the p-value of a found effect beside the others. The covariance of its score is that

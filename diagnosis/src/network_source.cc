@@ -92,6 +92,30 @@ GapState State(const NetworkFit& fit, const Comparison& compared) {
   return state;
 }
 
+/// Returns the residuals of all position or pair factors, also of rejected ones, in sigmas of their
+/// expectation.
+std::vector<Eigen::Vector3d> SensorResiduals(const NetworkFit& fit,
+                                             const std::vector<FactorId>& factors) {
+  constexpr double kLeastRedundancy = 0.05;
+  const Network& net = fit.solution->network().net();
+  const LinearizedNetwork& linearized = fit.solution->linearized();
+  std::vector<Eigen::Vector3d> residuals;
+  for (const FactorId id : factors) {
+    const FactorRecord& record = net.factor(id);
+    if (record.factor->residual_size() != 3) continue;
+    std::vector<const double*> x;
+    for (const BlockId block : record.blocks) x.push_back(net.block(block).value.get());
+    Eigen::Vector3d residual;
+    if (!EvaluateStored(*record.factor, x.data(), residual.data(), nullptr)) continue;
+    if (const auto rows = linearized.FindRows(id)) {
+      const auto redundancy = fit.solution->trajectory().redundancy.segment<3>(rows->first);
+      residual.array() /= redundancy.array().max(kLeastRedundancy).sqrt();
+    }
+    residuals.push_back(residual);
+  }
+  return residuals;
+}
+
 }  // namespace
 
 Comparison CompareNetwork(const NetworkFit& fit, const ReplicateOptions& options) {
@@ -197,6 +221,21 @@ std::vector<std::string> NetworkSource::Notes(const ExtendedFit& base) const {
   if (!shaking || shaking->calm()) return {};
   return {"the inertial record shakes: " + Describe(*shaking) +
           "; the residuals show no effect on the result"};
+}
+
+std::optional<NoiseShape> NetworkSource::Shape(const ExtendedFit& base, EffectId outliers) const {
+  constexpr std::size_t kFewest = 50;
+  const NetworkFit& fit = AsNetworkFit(base);
+  const FlightNetwork& network = fit.solution->network();
+  std::vector<FactorId> factors;
+  if (outliers == EffectId::kGnssOutliers) {
+    for (const GnssEdge& edge : network.gnss().edges()) factors.push_back(edge.position);
+  } else {
+    for (const PairEdge& edge : network.pairs().edges()) factors.push_back(edge.id);
+  }
+  const std::vector<Eigen::Vector3d> residuals = SensorResiduals(fit, factors);
+  if (residuals.size() < kFewest) return std::nullopt;
+  return CompareNoiseShapes(residuals);
 }
 
 std::vector<DetectionLimit> NetworkSource::Limits(const ExtendedFit& base,

@@ -38,6 +38,7 @@ class NetworkSource : public GapSource {
 
   void ListPlaces(const ExtendedFit& base, const Comparison& before, const ExtendedFit& last,
                   GapDiagnosis* diagnosis) const override;
+  std::optional<NoiseShape> Shape(const ExtendedFit& base, EffectId outliers) const override;
   std::vector<DetectionLimit> Limits(const ExtendedFit& base, double threshold_nats) const override;
   std::vector<std::string> Notes(const ExtendedFit& base) const override;
 

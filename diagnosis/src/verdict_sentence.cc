@@ -226,7 +226,24 @@ std::string DoubtWords(const GapDiagnosis& d) {
   return "";
 }
 
+/// Describes noise with heavy tails, and what to do.
+std::string HeavyTailWords(const GapDiagnosis& d) {
+  std::vector<std::string> each;
+  for (const GapHeavyTails& tails : d.verdict.heavy_tails) {
+    each.push_back(fmt::format(
+        "the noise of {} has heavier tails than normal noise: Student's t with {} degrees of "
+        "freedom and {} times the stated sigma describes it better than outliers, by {} nats; "
+        "set {}.robust: cauchy in flight.yaml, which gives large residuals less weight",
+        tails.sensor == "gnss" ? "the GNSS positions" : "the pairs", Rounded(tails.dof, 2),
+        Rounded(tails.scale, 2), Rounded(tails.lead_nats, 3), tails.sensor));
+  }
+  return fmt::format("{}", fmt::join(each, "; "));
+}
+
 std::string Partial(const GapDiagnosis& d) {
+  if (!d.verdict.rest && !d.verdict.heavy_tails.empty()) {
+    return WithTieBreaker(d, NamedEffects(d) + "; " + HeavyTailWords(d));
+  }
   std::string text = NamedEffects(d) + "; no effect of the library explains the rest of the gap";
   const std::vector<std::string> reasons = RestReasons(d);
   if (!reasons.empty()) text += fmt::format(", which {}", fmt::join(reasons, " and "));
@@ -244,6 +261,10 @@ std::string LessThanDiscrepancy(const GapDiagnosis& d) {
 }
 
 std::string Unknown(const GapDiagnosis& d) {
+  if (!d.verdict.rest && !d.verdict.heavy_tails.empty()) {
+    return fmt::format("the data differ from the assumed model ({}): {}", PWords(d.p_value),
+                       HeavyTailWords(d));
+  }
   return WithTieBreaker(
       d, fmt::format("the data differ from the assumed model ({}){}, and no effect of the library "
                      "explains all of it: do not use the {} before you have checked these data{}{}",
@@ -316,7 +337,7 @@ std::string KindText(const GapDiagnosis& diagnosis) {
 }  // namespace
 
 std::string UnexplainedWords(const GapDiagnosis& d) {
-  if (!d.verdict.unknown) return "";
+  if (!d.verdict.unknown || (!d.verdict.rest && !d.verdict.heavy_tails.empty())) return "";
   return fmt::format("{} of a gap ({}){}{}", d.verdict.effects.empty() ? "all" : "a part",
                      PWords(d.p_value), Place(d), WithoutName(d));
 }

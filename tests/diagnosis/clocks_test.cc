@@ -220,6 +220,20 @@ TEST_P(CorrelatedPositionErrors, ContradictOnlyThePureModelIfTheyAreSlow) {
   EXPECT_EQ(Solution(sim_.flight).CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
+// In these flights, a drifting GNSS clock would explain a part of the errors.
+TEST(Clocks, CorrelatedPositionErrorsAreNotADrift) {
+  for (const unsigned seed : {5U, 12U}) {
+    SCOPED_TRACE(seed);
+    const SimulatedFlight sim =
+        Simulate(AircraftScenario(
+                     "effects: [{effect: gnss_correlated_noise, value: [0.05, 0.05, 0.1, 20]}]\n"),
+                 {.seed = seed});
+    const Solution solution(sim.flight);
+    EXPECT_TRUE(solution.model_check().effects.empty());
+    EXPECT_EQ(solution.CheckedBoresight().verdict, Verdict::kContradicted);
+  }
+}
+
 TEST_P(CorrelatedPositionErrors, AreScreenedWithTheirProcess) {
   sim_.flight.config.gnss->processes = {{{0.05, 0.05, 0.1}, GetParam()}};
   const Calibration c(sim_.flight);

@@ -129,11 +129,23 @@ struct GapImplausible {
   std::string discrepancy;
 };
 
+/// Noise of a sensor with heavier tails than normal noise. Outliers and noise of another size were
+/// selected for it, and describe it worse.
+struct GapHeavyTails {
+  std::string sensor;                 ///< "gnss" or "lidar"
+  double dof = 0.0;                   ///< degrees of freedom of Student's t
+  double scale = 1.0;                 ///< its scale, in sigmas of the stated noise
+  double lead_nats = 0.0;             ///< log evidence, less that of the effects
+  std::vector<std::string> replaced;  ///< the effects
+};
+
 struct GapVerdict {
   GapVerdictKind kind = GapVerdictKind::kNoGap;
   std::vector<std::string> effects;       ///< one for each effect that is present
   std::vector<std::string> credible_set;  ///< 95 % credible set
   bool unknown = false;                   ///< no effect explains a part of the gap
+  bool rest = false;  ///< an unmodelled discrepancy, which heavy tails are not, shows next to them
+  std::vector<GapHeavyTails> heavy_tails;
   std::optional<GapImplausible> implausible;
   std::string tie_breaker;  ///< what to fly to separate the members of a group
   std::string text;         ///< one sentence that says what the user should do
