@@ -53,7 +53,7 @@ ResidualForm MakeForm(const std::vector<PlacedPair>& pairs, Eigen::Index num_row
   for (const PlacedPair& pair : pairs) {
     const auto number = [&](double x_m) { return std::lround(std::floor(x_m / length_m)); };
     const Tile tile{pair.strip_i, pair.strip_j, number(pair.point_m.x()), number(pair.point_m.y())};
-    form.label[static_cast<std::size_t>(pair.rows.first + axis)] =
+    form.label[static_cast<std::size_t>(pair.rows.first) + static_cast<std::size_t>(axis)] =
         label.try_emplace(tile, static_cast<int>(label.size())).first->second;
   }
   form.labels = static_cast<int>(label.size());
