@@ -53,7 +53,9 @@ void AddGnssMultipath(const Flight&, const GapCause&, const VectorXd& si, Flight
 }
 
 void ScaleGnss(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  RequireSection(config->gnss, "gnss").sigma_scale *= si[0];
+  GnssConfig& gnss = RequireSection(config->gnss, "gnss");
+  gnss.sigma_scale *= si[0];
+  if (gnss.velocity_sigma_scale) *gnss.velocity_sigma_scale *= si[0];
 }
 
 void ScaleGyro(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {

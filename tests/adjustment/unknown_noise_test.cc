@@ -1,4 +1,5 @@
 #include <dn/adjustment/adjust.h>
+#include <dn/adjustment/stages.h>
 #include <dn/adjustment/unknown_noise.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/imu/unknown_imu.h>
@@ -150,6 +151,36 @@ TEST(NoiseFromDataManyRuns, OutliersAreNoNoiseAndTheFlightIsAlignedOnce) {
   EXPECT_TRUE(noise.converged);
   EXPECT_NEAR(ByName(noise).at("gnss.sigma_scale").value, 1.0, 0.1);
   EXPECT_EQ(alignments, 1);
+}
+
+TEST(NoiseFromDataManyRuns, VelocitiesHaveTheirOwnScale) {
+  Scenario scenario = testing::DroneScenario();
+  scenario.gnss.velocity = true;
+  SimulatedFlight sim = FlyUnknown(scenario, 3);
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) *epoch.velocity_covariance_enu /= 9.0;
+  const auto sizes = ByName(EstimateNoise({}, &sim.flight));
+  EXPECT_NEAR(sizes.at("gnss.sigma_scale").value, 1.0, 0.1);
+  EXPECT_NEAR(sizes.at("gnss.velocity_sigma_scale").value, 3.0, 0.4);
+  EXPECT_EQ(sim.flight.config.gnss->velocity_sigma_scale,
+            sizes.at("gnss.velocity_sigma_scale").value);
+}
+
+// Sizes that the adjustment does not accept are no reason to refuse the flight.
+TEST(NoiseFromDataManyRuns, ARoundThatFailsEndsWithTheSizesBefore) {
+  SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);
+  int rounds = 0;
+  AdjustOptions options;
+  options.with_pairs = false;
+  options.stages = DefaultStages(false);
+  options.stages.push_back({"last", [&](AdjustmentRun&) {
+                              if (++rounds > 2) throw NotConverged("the third round");
+                            }});
+  const NoiseSizes noise = EstimateNoise(options, &sim.flight);
+  EXPECT_EQ(rounds, 3);
+  EXPECT_FALSE(noise.converged);
+  for (const NoiseSize& size : noise.sizes) {
+    EXPECT_NEAR(size.value, size.start, 0.5 * size.start) << size.name;
+  }
 }
 
 TEST(NoiseFromData, IsThatOfFlightsWithoutDataSheet) {

@@ -375,6 +375,8 @@ TEST(OwnData, NoiseWithoutADataSheetIsEstimatedAndListed) {
   ASSERT_GE(noise.size(), 4u);
   EXPECT_EQ(noise[0]["name"], "imu.gyro.white");
   EXPECT_GT(noise[0]["sigma"].get<double>(), 0.0);
+  EXPECT_THAT(FileContent(flight.out() / "config.resolved.yaml"),
+              HasSubstr("velocity_sigma_scale: ~"));
   EXPECT_TRUE(LoadJson(SmoothResult() / "smooth.json")["noise"].is_null());
 }
 

@@ -677,6 +677,17 @@ TEST(FlightNetwork, GnssCovarianceIsTheFilesElseTheDefaultScaled) {
   EXPECT_LT((GnssPositionCovariance(epoch, config) - turned).norm(), 1e-9);
 }
 
+TEST(FlightNetwork, GnssVelocitiesMayHaveTheirOwnScale) {
+  GnssConfig config;
+  config.sigma_scale = 2.0;
+  MapGnssEpoch epoch;
+  epoch.R_m_enu.setIdentity();
+  epoch.velocity_covariance_enu = Eigen::Matrix3d::Identity();
+  EXPECT_EQ(GnssVelocityCovariance(epoch, config), 4.0 * Eigen::Matrix3d::Identity());
+  config.velocity_sigma_scale = 3.0;
+  EXPECT_EQ(GnssVelocityCovariance(epoch, config), 9.0 * Eigen::Matrix3d::Identity());
+}
+
 TEST(FlightNetwork, VelocitiesAreUsedWithTheirSigmasUnlessSwitchedOff) {
   GnssConfig config;
   MapGnssEpoch epoch;

@@ -96,6 +96,13 @@ TEST(Adapted, DoublesNoUnknownAndChangesNoLossThatWasChosen) {
   EXPECT_EQ(config.lidar->robust, RobustKind::kHuber);
 }
 
+TEST(Adapted, GnssNoiseScalesVelocitiesWithTheirOwnScale) {
+  Flight flight = PlainDrone();
+  flight.config.gnss->velocity_sigma_scale = 2.0;
+  const FlightConfig config = Adapted(flight, {Cause("gnss_noise_scale", {1.5})});
+  EXPECT_EQ(config.gnss->velocity_sigma_scale, 3.0);
+}
+
 TEST(Adapted, StatesRandomEffectsInTheNoise) {
   const FlightConfig before = PlainDrone().config;
   const FlightConfig gnss =
@@ -104,6 +111,7 @@ TEST(Adapted, StatesRandomEffectsInTheNoise) {
   ASSERT_EQ(gnss.gnss->processes.size(), 1u);
   EXPECT_EQ(gnss.gnss->processes[0], (GnssProcess{{0.01, 0.02, 0.03}, 50.0}));
   EXPECT_EQ(gnss.gnss->sigma_scale, 1.5);
+  EXPECT_EQ(gnss.gnss->velocity_sigma_scale, std::nullopt);
   EXPECT_EQ(gnss.gnss->robust, RobustKind::kHuber);
 
   const FlightConfig by_bank =

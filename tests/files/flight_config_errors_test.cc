@@ -69,6 +69,7 @@ TEST(FlightConfigErrors, WrongShape) {
 
 TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("gnss:\n  sigma_scale: 0\n", "must be greater than 0, is 0", 2);
+  ExpectBad("gnss:\n  velocity_sigma_scale: 0\n", "must be greater than 0, is 0", 2);
   ExpectBad("gnss:\n  sigma_scale: inf\n", "must be finite", 2);
   ExpectBad("gnss: {sigma_enu_m: [1, 0, 1]}\n", "every element must be greater than 0", 1);
   ExpectBad("frame: {origin_deg_m: [91, 0, 0]}\n", "latitude", 1);

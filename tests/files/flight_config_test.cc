@@ -56,6 +56,7 @@ gnss:
   lever_arm_m: [0.4, -0.1, -1.1]
   sigma_enu_m: [0.01, 0.02, 0.03]
   sigma_scale: 1.7
+  velocity_sigma_scale: 2.3
   use_velocity: false
   processes:
     - {type: gauss_markov, sigma_enu_m: [0.011, 0.012, 0.023], tau_s: 123.4}
@@ -125,6 +126,7 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
     EXPECT_EQ(a.gnss->lever_arm_b_m, b.gnss->lever_arm_b_m);
     EXPECT_EQ(a.gnss->sigma_enu_m, b.gnss->sigma_enu_m);
     EXPECT_EQ(a.gnss->sigma_scale, b.gnss->sigma_scale);
+    EXPECT_EQ(a.gnss->velocity_sigma_scale, b.gnss->velocity_sigma_scale);
     EXPECT_EQ(a.gnss->use_velocity, b.gnss->use_velocity);
     EXPECT_EQ(a.gnss->processes, b.gnss->processes);
     EXPECT_EQ(a.gnss->automatic_process, b.gnss->automatic_process);

@@ -1,5 +1,6 @@
 #include <dn/adjustment/result.h>
 #include <dn/adjustment/unknown_noise.h>
+#include <dn/builder/gnss_factors.h>
 #include <dn/imu/unknown_imu.h>
 #include <dn/imu/white_rows.h>
 #include <dn/solvers/marginals.h>
@@ -207,8 +208,26 @@ ScaledSizes Processes(const std::string& name, const TriadUnits& units, SensorNo
   return scaled;
 }
 
-/// Returns all sizes that are estimated. They point into the configuration.
-std::vector<ScaledSizes> EstimatedSizes(FlightConfig* config) {
+bool UsesVelocities(const Flight& flight) {
+  return std::ranges::any_of(flight.gnss->epochs, [&](const MapGnssEpoch& epoch) {
+    return UsesVelocity(epoch, *flight.config.gnss);
+  });
+}
+
+/// Returns the sizes of GNSS positions and velocities. The velocities get a scale of their own.
+std::vector<ScaledSizes> GnssSizes(Flight* flight) {
+  GnssConfig& config = *flight->config.gnss;
+  std::vector<ScaledSizes> all{ScaledSizes({"gnss position"}, 1.0)};
+  all.back().Add("gnss.sigma_scale", "1", 1.0, &config.sigma_scale);
+  if (!UsesVelocities(*flight)) return all;
+  if (!config.velocity_sigma_scale) config.velocity_sigma_scale = config.sigma_scale;
+  all.emplace_back(ScaledSizes({"gnss velocity"}, 1.0));
+  all.back().Add("gnss.velocity_sigma_scale", "1", 1.0, &*config.velocity_sigma_scale);
+  return all;
+}
+
+/// Returns all sizes that are estimated. They point into the configuration of the flight.
+std::vector<ScaledSizes> EstimatedSizes(Flight* flight) {
   const TriadUnits gyro{"deg/sqrt(h)",
                         "deg/h",
                         "deg/h/sqrt(h)",
@@ -218,13 +237,12 @@ std::vector<ScaledSizes> EstimatedSizes(FlightConfig* config) {
   const TriadUnits accel{"m/s/sqrt(h)",   "mg",
                          "mg/sqrt(h)",    MpsPerSqrtSFromMpsPerSqrtHour(1.0),
                          Mps2FromMg(1.0), Mps2PerSqrtSFromMgPerSqrtHour(1.0)};
-  ImuModel& model = config->imu->model;
+  ImuModel& model = flight->config.imu->model;
   std::vector<ScaledSizes> all{
       WhiteNoise("gyro", gyro, {"inertial gyro"}, &model.gyro),
       WhiteNoise("accel", accel, {"inertial velocity", "inertial position"}, &model.accel),
       Processes("gyro", gyro, &model.gyro), Processes("accel", accel, &model.accel)};
-  ScaledSizes& gnss = all.emplace_back(ScaledSizes({"gnss position", "gnss velocity"}, 1.0));
-  gnss.Add("gnss.sigma_scale", "1", 1.0, &config->gnss->sigma_scale);
+  for (ScaledSizes& sizes : GnssSizes(flight)) all.push_back(std::move(sizes));
   return all;
 }
 
@@ -276,12 +294,13 @@ void KeepAll(std::vector<ScaledSizes>* all) {
   for (ScaledSizes& sizes : *all) sizes.Keep();
 }
 
-/// Repeats rounds until the sizes stay the same after another search for outliers.
+/// Repeats rounds until the sizes stay the same after another search for outliers. Keeps the sizes
+/// with which such a search worked.
 void Iterate(NoiseRounds* rounds, std::vector<ScaledSizes>* all, NoiseSizes* found) {
   for (int k = 0; k < kMostScreenings; ++k) {
-    KeepAll(all);
     Settle(rounds, all, found);
     rounds->Screen();
+    KeepAll(all);
     ++found->rounds;
     found->converged = UpdateSizes(*rounds, all) < kSmallestChange;
     if (found->converged) return;
@@ -298,14 +317,17 @@ bool HasUnknownNoise(const FlightConfig& config) {
 NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
   adjustment_internal::ExpectCommonTime(*flight);  // larger sizes would hide such a clock
   StartAtRawLevel(*flight->imu, &flight->config.imu->model);
-  std::vector<ScaledSizes> all = EstimatedSizes(&flight->config);
+  std::vector<ScaledSizes> all = EstimatedSizes(flight);
   FreeClock clock(&flight->config);
   NoiseRounds rounds(*flight, options, &clock);
   NoiseSizes found;
   StartRounds(&rounds, &all);
+  KeepAll(&all);
   try {
     Iterate(&rounds, &all, &found);
-  } catch (const SensorsContradict&) {
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error&) {  // the flight can be adjusted with the sizes before
     found.converged = false;
     for (ScaledSizes& sizes : all) sizes.GoBack();
   }

@@ -36,6 +36,9 @@ bool StartsWith(const std::string& text, const char* prefix) { return text.rfind
 std::string LargerNoise(const std::string& group) {
   if (StartsWith(group, "lidar p2p")) return "lidar.sigma_p_m is too small";
   if (StartsWith(group, "gnss error")) return "the sigmas of gnss.processes are too small";
+  if (StartsWith(group, "gnss velocity")) {
+    return "the sigmas of gnss.file are too small (gnss.velocity_sigma_scale)";
+  }
   if (StartsWith(group, "gnss")) return "the sigmas of gnss.file are too small (gnss.sigma_scale)";
   const bool gyro = StartsWith(group, "gyro") || StartsWith(group, "inertial gyro");
   const bool accel = StartsWith(group, "accel") || StartsWith(group, "inertial");

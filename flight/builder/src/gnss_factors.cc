@@ -49,6 +49,11 @@ Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConf
          epoch.R_m_enu.transpose();
 }
 
+Eigen::Matrix3d GnssVelocityCovariance(const MapGnssEpoch& epoch, const GnssConfig& config) {
+  const double scale = config.velocity_sigma_scale.value_or(config.sigma_scale);
+  return scale * scale * epoch.R_m_enu * *epoch.velocity_covariance_enu * epoch.R_m_enu.transpose();
+}
+
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config) {
   std::vector<BiasProcess> processes;
   for (const GnssProcess& process : config.processes) {
@@ -95,11 +100,9 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
                                                          const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input) {
-  const GnssConfig& config = *flight.config.gnss;
-  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * epoch.R_m_enu *
-                                     *epoch.velocity_covariance_enu * epoch.R_m_enu.transpose();
-  const Noise<3> noise = MeasurementNoise(covariance + input.added_covariance, "the GNSS velocity",
-                                          epoch.t_s, kCheckGnss);
+  const Noise<3> noise =
+      MeasurementNoise(GnssVelocityCovariance(epoch, *flight.config.gnss) + input.added_covariance,
+                       "the GNSS velocity", epoch.t_s, kCheckGnss);
   const Eigen::Vector3d z_m = epoch.R_m_enu * *epoch.velocity_enu_mps;
   const Preintegrated here =
       IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionWith(calibration, input.biases));

@@ -143,6 +143,7 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Key(1, "lever_arm_m", List(gnss.lever_arm_b_m));
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
   out.Key(1, "sigma_scale", Number(gnss.sigma_scale));
+  out.Key(1, "velocity_sigma_scale", Number(gnss.velocity_sigma_scale));
   out.Key(1, "use_velocity", gnss.use_velocity ? Boolean(*gnss.use_velocity) : "auto");
   WriteGnssProcesses(gnss, out);
   out.Key(1, "robust", FindWord(gnss.robust, files_internal::RobustWords()));

@@ -56,7 +56,8 @@ double ReadTimeOffset(const YamlValue& section) {
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   section.ExpectMap({"file", "format", "columns", "crs", "north", "time_offset_s", "lever_arm_m",
-                     "sigma_enu_m", "sigma_scale", "use_velocity", "processes", "robust"});
+                     "sigma_enu_m", "sigma_scale", "velocity_sigma_scale", "use_velocity",
+                     "processes", "robust"});
   GnssConfig gnss;
   if (section["file"]) gnss.file = section["file"].Text();
   if (section["format"]) gnss.format = section["format"].Choice(GnssFormatWords());
@@ -77,6 +78,9 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   }
   if (section["sigma_enu_m"]) gnss.sigma_enu_m = ReadPositiveVector3(section["sigma_enu_m"]);
   if (section["sigma_scale"]) gnss.sigma_scale = ReadPositive(section["sigma_scale"]);
+  if (section["velocity_sigma_scale"]) {
+    gnss.velocity_sigma_scale = ReadPositive(section["velocity_sigma_scale"]);
+  }
   if (section["use_velocity"]) {
     static const Words<std::optional<bool>> words{
         {"auto", std::nullopt}, {"true", true}, {"false", false}};

@@ -129,23 +129,26 @@ struct GapImplausible {
   std::string discrepancy;
 };
 
-/// Noise of a sensor with heavier tails than normal noise. Outliers and noise of another size were
-/// selected for it, and describe it worse.
+/// Noise of a sensor with heavier tails than normal noise. The selection had taken outliers, or
+/// outliers and noise of another size, for it; Student's t distribution describes the residuals
+/// better.
 struct GapHeavyTails {
-  std::string sensor;                 ///< "gnss" or "lidar"
-  double dof = 0.0;                   ///< degrees of freedom of Student's t
-  double scale = 1.0;                 ///< its scale, in sigmas of the stated noise
-  double lead_nats = 0.0;             ///< log evidence, less that of the effects
-  std::vector<std::string> replaced;  ///< the effects
+  std::string sensor;      ///< "gnss" or "lidar"
+  double dof = 0.0;        ///< degrees of freedom of Student's t
+  double scale = 1.0;      ///< scale of Student's t, in sigmas of the stated noise
+  double lead_nats = 0.0;  ///< log evidence of Student's t, less that of the replaced effects
+  std::vector<std::string> replaced;  ///< names of these effects
 };
 
+/// Conclusion of a diagnosis.
 struct GapVerdict {
   GapVerdictKind kind = GapVerdictKind::kNoGap;
   std::vector<std::string> effects;       ///< one for each effect that is present
   std::vector<std::string> credible_set;  ///< 95 % credible set
   bool unknown = false;                   ///< no effect explains a part of the gap
-  bool rest = false;  ///< an unmodelled discrepancy, which heavy tails are not, shows next to them
-  std::vector<GapHeavyTails> heavy_tails;
+  /// With heavy tails: an unmodelled discrepancy is also present, other than the tails.
+  bool rest = false;
+  std::vector<GapHeavyTails> heavy_tails;  ///< at most one per sensor
   std::optional<GapImplausible> implausible;
   std::string tie_breaker;  ///< what to fly to separate the members of a group
   std::string text;         ///< one sentence that says what the user should do

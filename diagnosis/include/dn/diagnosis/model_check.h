@@ -131,20 +131,37 @@ struct ModelCheck {
 ///
 /// tr(M_gg^2) and the moments of the sums over windows are estimated from 32 samples of M e, e ~
 /// N(0, I), with a fixed seed. The p-values are those of a chi-square distribution with the same
-/// mean and variance. Residuals of other sensors follow errors that pairs share: a group or common
-/// error that is significant is tested again with samples that have the noise that the residuals
-/// of the other sensors show. An effect of the lidar that this noise explains is dropped.
+/// mean and variance.
+///
+/// The noise of a flight with a boresight and unmodelled effects is estimated from the residuals
+/// with all effects: the variance of each channel, for pairs that of each axis, and of errors that
+/// neighbouring pairs share. What exceeds the stated noise is part of the covariance
+/// (UnmodelledEffects::noise_covariance_rad2), and tests are repeated with it:
+///   - Found effects: the covariance of their scores contains the noise. The statistic of an effect
+///     of the lidar or of GNSS is also divided by the largest growth of errors that pairs or
+///     positions share. Effects that are not significant any more are dropped.
+///   - Groups and common errors: the samples contain the noise of the other channels. A trajectory
+///     that follows errors of the pairs has larger inertial residuals, and these are then
+///     `explained`. Channels whose redundancy is below half the number of their residuals show the
+///     noise of other sensors more than their own, and add none.
+///   - Groups and common errors that the covariance allows for are `covered`.
 ///
 /// A finding contradicts the model in these cases:
 ///   - an effect with a prior (UnmodelledPrior) is significant at the family-wise level 0.001 and
 ///     exceeds four standard deviations of its prior;
-///   - another effect or a common error is significant at the family-wise level 0.001, and shifts
-///     the boresight (without pairs: an attitude or a position) by more than its sigma;
+///   - another effect, or a common error that is neither explained nor covered, is significant at
+///     the family-wise level 0.001 and shifts the boresight (without pairs: an attitude or a
+///     position) by more than its sigma;
 ///   - an unmodelled discrepancy is significant at that level, or a stated prior is contradicted;
-///   - a group has more than twice its variance after the found effects, or sigma0 exceeds 3;
+///   - a group that is neither explained nor covered has more than twice its variance after the
+///     found effects, one measurement explains the misfit of its group, or sigma0 exceeds 3;
 ///   - more than 30 % of the pairs or 10 % of the GNSS epochs were rejected;
+///   - the control is shifted at that level, or more than a third of it was rejected;
 ///   - a boresight angle exceeds 15 deg, or the body is upside down;
-///   - the GNSS clock error shifts a watched unknown by more than its sigma;
+///   - the GNSS clock error has no prior, or exceeds four standard deviations of it, and shifts a
+///     watched unknown by more than its sigma;
+///   - the INS/GNSS adjustment finds another lever arm of GNSS, unless lever arms have a prior and
+///     no effect of GNSS was found;
 ///   - the configuration says that a diagnosis found an unmodelled discrepancy.
 ///
 /// `marginals` must be of the adjusted network, with its selected inverse. `trajectory` must be the

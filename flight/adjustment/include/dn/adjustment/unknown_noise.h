@@ -31,7 +31,8 @@ bool HasUnknownNoise(const FlightConfig& config);
 
 /// Estimates the noise of the sensors from an adjustment of the flight, and sets it in the
 /// configuration of the flight: white noise of gyros and accelerometers, their Gauss-Markov
-/// processes and random walks, and gnss.sigma_scale. Random constants keep their sizes.
+/// processes and random walks, gnss.sigma_scale and gnss.velocity_sigma_scale. Random constants
+/// keep their sizes.
 ///
 /// Each variance has an inverse gamma prior of one degree of freedom with its start value: the size
 /// may differ by a factor of ten and more. The start value of the white noise is that of the raw
@@ -41,12 +42,14 @@ bool HasUnknownNoise(const FlightConfig& config);
 ///   sigma^2 <- (sigma_0^2 + sigma^2 r^T r) / (1 + f),
 ///
 /// with a new adjustment in each round. Outliers are searched in the first round, and again once
-/// the sizes have converged; the rounds go on if this changes the sizes. gnss.sigma_scale does not
-/// fall below its start value: the residuals do not show errors that positions share over minutes.
+/// the sizes have converged; the rounds go on if this changes the sizes. Both scales of GNSS do not
+/// fall below their start values: the residuals do not show errors that epochs share over minutes.
 ///
-/// If the sensors contradict each other with the start sizes, larger ones are tried first. If the
-/// adjustment finds that the GNSS clock is off (Adjustment::gnss_clock), offset and drift of the
-/// clock are unknowns while the noise is estimated; the `estimate` of the flight does not change.
+/// If the sensors contradict each other with the start sizes, larger ones are tried first. A round
+/// that fails later ends the estimation with the latest sizes for which the search for outliers
+/// worked. If the adjustment finds that the GNSS clock is off (Adjustment::gnss_clock), offset and
+/// drift of the clock are unknowns while the noise is estimated; the `estimate` of the flight does
+/// not change.
 ///
 /// Throws as Adjust does.
 NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight);

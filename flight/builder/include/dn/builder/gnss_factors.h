@@ -16,6 +16,10 @@ namespace dn {
 /// file or else the default of the flight, scaled by sigma_scale^2 and rotated from local ENU axes.
 Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConfig& config);
 
+/// Returns the covariance of the velocity of an epoch in the map frame, (m/s)^2. It is that of the
+/// file, scaled by the square of velocity_sigma_scale, or else of sigma_scale.
+Eigen::Matrix3d GnssVelocityCovariance(const MapGnssEpoch& epoch, const GnssConfig& config);
+
 /// Returns gnss.processes as processes of a chain with sigma 1: the blocks are in units of the
 /// configured sigmas (see CorrelatedGnssError).
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config);

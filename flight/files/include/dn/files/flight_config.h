@@ -41,8 +41,9 @@ struct GnssConfig {
   /// Position of the antenna in body, FRD.
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< if the file has no sigmas
-  double sigma_scale = 1.0;
-  std::optional<bool> use_velocity;    ///< absent: auto, used if the columns exist
+  double sigma_scale = 1.0;                    ///< multiplies the sigmas of the file
+  std::optional<double> velocity_sigma_scale;  ///< the same for velocities; absent: sigma_scale
+  std::optional<bool> use_velocity;            ///< absent: auto, used if the columns exist
   std::vector<GnssProcess> processes;  ///< time-correlated errors of the positions; they add up
   /// `processes: auto`: without stated processes, the effects that the model leaves out contain one
   /// whose size and time constant are estimated.
