@@ -1,4 +1,3 @@
-#include <dn/adjustment/unknown_noise.h>
 #include <dn/adjustment/words.h>
 #include <dn/diagnosis/model_check.h>
 #include <dn/diagnosis/scanner_mountings.h>
@@ -6,32 +5,31 @@
 #include <dn/effects/effect_table.h>
 #include <dn/files/flight.h>
 #include <dn/files/scanners.h>
-#include <dn/navigation/gnss_lag.h>
 #include <dn/parallel.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "common_errors.h"
+#include "clock_estimates.h"
 #include "competing_effects.h"
 #include "control_check.h"
 #include "detectability.h"
 #include "discrepancies.h"
+#include "effect_rows.h"
 #include "gnss_process.h"
-#include "joint_estimate.h"
 #include "model_findings.h"
 #include "network_hypotheses.h"
 #include "node_changes.h"
 #include "noise_beyond_model.h"
-#include "pair_clusters.h"
+#include "noise_retest.h"
 #include "score_selection.h"
 #include "smallest_p_value.h"
+#include "tested_forms.h"
 #include "unmodelled.h"
 
 namespace dn {
@@ -47,10 +45,6 @@ constexpr double kControlledRedundancy = 0.1;
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
 constexpr int kScoreDraws = 400;
-// Within these times, the motion of the antenna and of the beam is linear enough for a clock offset
-// of first order.
-constexpr double kLongestLinearGnss_s = 0.2, kLongestLinearLidar_s = 0.05;
-
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
   std::vector<Hypothesis> discrepancies;
@@ -72,20 +66,20 @@ class Checker {
         network_(*adjustment.network),
         marginals_(marginals),
         trajectory_(trajectory),
-        gnss_clock_(adjustment.gnss_clock),
         linearized_(marginals.linearized()),
         prior_(MakeUnmodelledPrior(network_.flight().config)),
         threads_(threads) {}
 
   ModelCheck Run() {
-    auto sums = Beside(threads_, [&] { FormSums(); });
+    auto sums =
+        Beside(threads_, [&] { forms_ = MakeTestedForms(network_, marginals_, !prior_.pure()); });
     library_ = MakeNetworkHypotheses(network_, threads_, MakeDiscrepancies(network_));
     gnss_process_ = AddGnssProcess(network_, linearized_, &library_);
     AddControlShift();
     Watch();
     const JointScore score = ScoreHypotheses();
     sums.get();
-    family_.tests = static_cast<double>(num_tested_ + library_.hypotheses.size());
+    family_.tests = static_cast<double>(forms_.tested + library_.hypotheses.size());
     CheckPriors();
     const UnmodelledUnknowns unmodelled(library_, prior_, score, gnss_process_);
     FindCompeting(score);
@@ -95,33 +89,23 @@ class Checker {
     JointScore conditioned = unmodelled.Conditioned();
     conditioned.shift.conservativeResize(family_.watched_sigma.size(), Eigen::NoChange);
     FindEffects(conditioned);
-    residual_ = ResidualWith(unmodelled.estimate());
+    residual_ = ResidualWith(library_, marginals_, unmodelled.estimate());
     CheckGroups();
-    EstimateNoise(conditioned, unmodelled);
-    TakeEffects();
-    TakeNoise(unmodelled);
+    NoiseRetest retest(marginals_, library_, forms_, unmodelled, family_);
+    if (HasNoiseBeyondModel()) {
+      retest.Estimate(conditioned, residual_, check_.groups, &selection_);
+    } else {
+      retest.TakeResidual(residual_, selection_);
+    }
+    TakeEffects(retest);
+    TakeNoise(unmodelled, retest.noise());
     CheckAllDiscrepancies(unmodelled);
-    CheckCommonErrors();
+    CheckCommonErrors(retest);
     check_.p_value = FamilyPValue(smallest_p_, check_.effective_tests);
     return std::move(check_);
   }
 
  private:
-  /// Makes the tested sums of residuals, and their moments under the assumed model.
-  void FormSums() {
-    forms_ = ChannelForms(linearized_);
-    num_channels_ = forms_.size();
-    std::vector<ResidualForm> common = CommonErrorForms(network_, linearized_);
-    std::move(common.begin(), common.end(), std::back_inserter(forms_));
-    num_tested_ = forms_.size();
-    if (!prior_.pure()) {
-      std::vector<ResidualForm> tiles = PairClusters(network_, linearized_, kClusterLengths_m);
-      std::move(tiles.begin(), tiles.end(), std::back_inserter(forms_));
-    }
-    energies_ = SampleFormEnergies(marginals_, forms_);
-    moments_ = ComputeFormMoments(marginals_, forms_, energies_);
-  }
-
   /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
   void Watch() {
     if (!network_.pairs().edges().empty() &&
@@ -170,8 +154,8 @@ class Checker {
   }
 
   void CheckGroups() {
-    Eigen::VectorXd redundancy(static_cast<Eigen::Index>(num_channels_));
-    for (std::size_t g = 0; g < num_channels_; ++g) {
+    Eigen::VectorXd redundancy(static_cast<Eigen::Index>(forms_.channels));
+    for (std::size_t g = 0; g < forms_.channels; ++g) {
       TestedGroup tested = CheckGroup(g, residual_);
       if (gnss_process_) {
         // A wide process absorbs a part of an outlier, which then looks like several errors.
@@ -182,9 +166,8 @@ class Checker {
       redundancy[static_cast<Eigen::Index>(g)] = tested.group.redundancy;
       check_.groups.push_back(std::move(tested.group));
     }
-    check_.effective_tests += EffectiveTests(SmallestFormPValues(
-        {moments_.begin(), moments_.begin() + static_cast<std::ptrdiff_t>(num_tested_)}, energies_,
-        redundancy));
+    check_.effective_tests +=
+        EffectiveTests(SmallestFormPValues(forms_.TestedMoments(), forms_.energies, redundancy));
   }
 
   /// A tested group with its p-value as that of a single test.
@@ -194,8 +177,8 @@ class Checker {
   };
 
   TestedGroup CheckGroup(std::size_t g, const Eigen::VectorXd& residual) const {
-    const ChannelFit fit =
-        TestChannel(linearized_, residual, forms_[g], moments_[g], trajectory_.redundancy);
+    const ChannelFit fit = TestChannel(linearized_, residual, forms_.all[g], forms_.moments[g],
+                                       trajectory_.redundancy);
     GroupCheck group;
     group.name = fit.name;
     group.observations = fit.observations;
@@ -208,30 +191,31 @@ class Checker {
     return {std::move(group), fit.p_value};
   }
 
-  void CheckCommonErrors() {
-    for (std::size_t c = num_channels_; c < num_tested_; ++c) {
-      const FormMoments& moments = moments_[c];
+  void CheckCommonErrors(const NoiseRetest& retest) {
+    for (std::size_t c = forms_.channels; c < forms_.tested; ++c) {
+      const ResidualForm& form = forms_.all[c];
+      const FormMoments& moments = forms_.moments[c];
       CommonErrorCheck common;
-      common.name = forms_[c].name;
-      common.group = forms_[c].channel;
-      const double energy = forms_[c].Energy(residual_);
+      common.name = form.name;
+      common.group = form.channel;
+      const double energy = form.Energy(residual_);
       common.ratio = energy / std::max(moments.mean, 1e-300);
       common.p_value = FamilyWise(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
         common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
                               kSizeAveragingNats;
       }
-      const double left = forms_[c].Energy(left_);
-      common.explained = family_.FamilyWise(noisy_moments_[c].UpperTail(left)) > kFamilyLevel;
+      const double left = form.Energy(retest.left());
+      common.explained = family_.FamilyWise(retest.Moments(c).UpperTail(left)) > kFamilyLevel;
       const double variance =
           moments.variance > 0.0 ? 2.0 * (left - moments.mean) / moments.variance : 0.0;
       common.sigma = std::sqrt(std::max(0.0, variance));
       const Eigen::VectorXd move =
-          forms_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
+          form.SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
       common.max_shift_sigmas = family_.InSigmas(move);
       if (common.p_value <= kFamilyLevel) {
-        common.worst = WorstLabel(forms_[c]);
-        common.covered = IsCovered(common, c, left);
+        common.worst = WorstLabel(form);
+        common.covered = IsCovered(common, retest, c, left);
       }
       check_.common_errors.push_back(std::move(common));
     }
@@ -239,13 +223,15 @@ class Checker {
 
   /// Returns whether the noise in the watched sigmas explains a common error, or leaves too little
   /// of it to count. `energy` is that of the residuals with all effects.
-  bool IsCovered(const CommonErrorCheck& common, std::size_t form, double energy) const {
-    const double own = noise_.Growth(forms_[form], moments_[form]);
-    const FormMoments& noisy = noisy_moments_[form];
-    if (own <= 1.0 && noisy.mean == moments_[form].mean) return false;
+  bool IsCovered(const CommonErrorCheck& common, const NoiseRetest& retest, std::size_t form,
+                 double energy) const {
+    const FormMoments& stated = forms_.moments[form];
+    const FormMoments& noisy = retest.Moments(form);
+    const double own = retest.noise().Growth(forms_.all[form], stated);
+    if (own <= 1.0 && noisy.mean == stated.mean) return false;
     if (family_.FamilyWise(noisy.UpperTail(energy / own)) > kFamilyLevel) return true;
     const double left =
-        std::max(0.0, energy - own * noisy.mean) / std::max(energy - moments_[form].mean, 1e-300);
+        std::max(0.0, energy - own * noisy.mean) / std::max(energy - stated.mean, 1e-300);
     return common.max_shift_sigmas * std::sqrt(left) <= kMaxShiftInSigmas;
   }
 
@@ -343,7 +329,8 @@ class Checker {
   }
 
   /// Takes the noise beyond the stated one into the mountings of several scanners.
-  void TakeMountingNoise(const Eigen::MatrixXd& gain_of_effects, UnmodelledEffects* effects) {
+  void TakeMountingNoise(const NoiseBeyondModel& noise, const Eigen::MatrixXd& gain_of_effects,
+                         UnmodelledEffects* effects) {
     const Eigen::Index size = effects->mountings.size();
     if (size == 0) return;
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(linearized_.parameters(), size);
@@ -352,167 +339,53 @@ class Checker {
       unit.block<3, 3>(linearized_.FirstColumn(unknown), column).setIdentity();
       column += 3;
     }
-    const Eigen::MatrixXd gain =
-        linearized_.Times(marginals_.Solve(unit)) -
-        marginals_.Project(EffectRows(gain_of_effects.middleCols(first_mounting_, size)));
-    effects->mountings_covariance += noise_.AddedCovariance(gain);
+    const Eigen::MatrixXd gain = linearized_.Times(marginals_.Solve(unit)) -
+                                 ProjectEffects(gain_of_effects.middleCols(first_mounting_, size));
+    effects->mountings_covariance += noise.AddedCovariance(gain);
   }
 
   bool HasNoiseBeyondModel() const { return check_.unmodelled && family_.of_boresight; }
 
-  /// Estimates the noise beyond the stated one, from the residuals with all effects. Effects that
-  /// this noise explains are dropped, and the noise is estimated without them. `score` is the one
-  /// that the effects were selected from.
-  void EstimateNoise(const JointScore& score, const UnmodelledUnknowns& unmodelled) {
-    left_ = ResidualWithEffects(unmodelled);
-    noisy_moments_ = moments_;
-    if (!HasNoiseBeyondModel()) return;
-    noise_ = MakeNoise(left_);
-    while (DropExplainedEffects(score, unmodelled)) {
-      left_ = ResidualWithEffects(unmodelled);
-      noise_ = MakeNoise(left_);
-    }
-    PropagateNoise();
-  }
-
-  /// Returns the channels with noise beyond the stated one. Leaves out those whose residuals show
-  /// the errors of other sensors more than their own.
-  std::vector<std::string> ChannelsWithOwnNoise() const {
-    constexpr double kOwnShare = 0.5;
-    std::vector<std::string> channels = noise_.Channels();
-    std::erase_if(channels, [&](const std::string& channel) {
-      return std::any_of(check_.groups.begin(), check_.groups.end(), [&](const GroupCheck& group) {
-        return group.name == channel &&
-               group.redundancy < kOwnShare * static_cast<double>(group.observations);
-      });
-    });
-    return channels;
-  }
-
-  /// Computes the moments of the tested forms if the noise of the other ChannelsWithOwnNoise is as
-  /// large as their residuals show. A trajectory that follows errors of the pairs has larger
-  /// inertial residuals.
-  void PropagateNoise() {
-    const bool suspicious =
-        std::any_of(check_.groups.begin(), check_.groups.end(), [](const GroupCheck& group) {
-          return group.variance_ratio > 1.0 && group.p_value <= kFamilyLevel;
-        });
-    const std::vector<std::string> channels = ChannelsWithOwnNoise();
-    if (!suspicious || channels.empty()) return;
-    noisy_moments_ = MomentsWithNoise(
-        {forms_.begin(), forms_.begin() + static_cast<std::ptrdiff_t>(num_tested_)}, marginals_,
-        noise_, channels);
+  /// Returns the residuals of effects, one value per component of the score and column of X, as far
+  /// as the unknowns do not follow them.
+  Eigen::MatrixXd ProjectEffects(const Eigen::MatrixXd& X) const {
+    return marginals_.Project(EffectRows(library_, linearized_, X));
   }
 
   /// Takes what the effects and the noise change in the figures of the whole adjustment.
-  void TakeEffects() {
+  void TakeEffects(const NoiseRetest& retest) {
     check_.effects = selection_.effects;
     SetPriorSigmas(prior_, selection_.chosen, &check_.effects);
     check_.sigma0_with_effects =
-        trajectory_.figures.sigma0 * left_.norm() / linearized_.residual().norm();
-    for (std::size_t g = 0; g < num_channels_; ++g) {
+        trajectory_.figures.sigma0 * retest.left().norm() / linearized_.residual().norm();
+    for (std::size_t g = 0; g < forms_.channels; ++g) {
       GroupCheck& group = check_.groups[g];
-      group.ratio_with_effects = forms_[g].Energy(left_) / std::max(group.redundancy, 1e-12);
+      group.ratio_with_effects =
+          forms_.all[g].Energy(retest.left()) / std::max(group.redundancy, 1e-12);
       if (!HasNoiseBeyondModel()) continue;
-      group.explained = Fits(g, group.variance_ratio);
-      group.covered = Fits(g, group.ratio_with_effects / kLargestVarianceRatio);
+      group.explained = retest.Fits(g, group.redundancy, group.variance_ratio);
+      group.covered =
+          retest.Fits(g, group.redundancy, group.ratio_with_effects / kLargestVarianceRatio);
     }
   }
 
   /// Takes the noise beyond the stated one: from here on, the watched sigmas contain it.
-  void TakeNoise(const UnmodelledUnknowns& unmodelled) {
+  void TakeNoise(const UnmodelledUnknowns& unmodelled, const NoiseBeyondModel& noise) {
     if (!HasNoiseBeyondModel()) return;
     // The shift of the reported angles by a unit error of each row.
-    const Eigen::MatrixXd gain =
-        gain_ - marginals_.Project(EffectRows(unmodelled.Gain().leftCols(gain_.cols())));
+    const Eigen::MatrixXd gain = gain_ - ProjectEffects(unmodelled.Gain().leftCols(gain_.cols()));
     UnmodelledEffects& effects = *check_.unmodelled;
     const Eigen::Matrix3d added =
-        noise_.AddedCovariance(gain, network_.flight().config.lidar->sigma_p_m,
-                               family_.watched_sigma, &effects.contributions);
+        noise.AddedCovariance(gain, network_.flight().config.lidar->sigma_p_m,
+                              family_.watched_sigma, &effects.contributions);
     effects.covariance_rad2 += added;
     effects.noise_covariance_rad2 = added;
-    TakeMountingNoise(unmodelled.Gain(), &effects);
+    TakeMountingNoise(noise, unmodelled.Gain(), &effects);
     family_.watched_sigma = (family_.watched_sigma.cwiseAbs2() + added.diagonal()).cwiseSqrt();
     std::stable_sort(effects.contributions.begin(), effects.contributions.end(),
                      [](const EffectContribution& a, const EffectContribution& b) {
                        return a.angle_sigma_rad.maxCoeff() > b.angle_sigma_rad.maxCoeff();
                      });
-  }
-
-  NoiseBeyondModel MakeNoise(const Eigen::VectorXd& residual) const {
-    const auto tested = static_cast<std::ptrdiff_t>(num_tested_);
-    return {check_.groups,
-            forms_,
-            moments_,
-            {forms_.begin() + tested, forms_.end()},
-            {moments_.begin() + tested, moments_.end()},
-            residual};
-  }
-
-  /// Tests the found effects again, at the noise that the residuals have with all of them. Drops
-  /// those that are not significant any more, and returns whether there were any.
-  bool DropExplainedEffects(const JointScore& score, const UnmodelledUnknowns& unmodelled) {
-    std::vector<std::size_t> kept;
-    for (std::size_t k = 0; k < selection_.chosen.size(); ++k) {
-      const double p = std::max(PValueAtSharedNoise(k), PValueAtNoise(k, score, unmodelled));
-      selection_.effects[k].p_value = family_.FamilyWise(p);
-      if (selection_.effects[k].p_value <= kFamilyLevel) kept.push_back(k);
-    }
-    if (kept.size() == selection_.chosen.size()) return false;
-    selection_ = Keep(selection_, kept, score, family_);
-    return true;
-  }
-
-  /// Returns the p-value of a found effect if its columns agree with the errors that the residuals
-  /// of its sensor share as well as any can: clusters of pairs, or windows of time, may be few.
-  double PValueAtSharedNoise(std::size_t found) const {
-    const ScoreTest& test = selection_.tests[found];
-    const EffectSensor sensor = EffectRow(*selection_.chosen[found].id).sensor;
-    double growth = 1.0;
-    if (sensor == EffectSensor::kLidar) growth = noise_.PairGrowth();
-    if (sensor == EffectSensor::kGnss) growth = CommonGrowth("gnss position");
-    return ChiSquareTail(test.statistic / growth, test.dof);
-  }
-
-  /// Returns the largest significant ratio of the common errors of a channel, with all effects; at
-  /// least 1.
-  double CommonGrowth(const std::string& channel) const {
-    double largest = 1.0;
-    for (std::size_t c = num_channels_; c < num_tested_; ++c) {
-      if (forms_[c].channel != channel) continue;
-      const double energy = forms_[c].Energy(left_);
-      if (family_.FamilyWise(moments_[c].UpperTail(energy)) > kFamilyLevel) continue;
-      largest = std::max(largest, energy / std::max(moments_[c].mean, 1e-300));
-    }
-    return largest;
-  }
-
-  /// Returns the p-value of a found effect beside the others. The covariance of its score is that
-  /// of the stated noise and of the noise beyond it.
-  double PValueAtNoise(std::size_t found, const JointScore& score,
-                       const UnmodelledUnknowns& unmodelled) const {
-    std::vector<HypothesisEvidence> others = selection_.chosen;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(found));
-    const JointColumns own = CombineFixed({selection_.chosen[found]}, score);
-    const JointColumns beside = CombineFixed(others, score);
-    // The columns of the effect, as far as the others do not take their part.
-    Eigen::MatrixXd left = own.T;
-    if (beside.T.cols() > 0) {
-      left -= beside.T * beside.Information(score).completeOrthogonalDecomposition().solve(
-                             beside.T.transpose() * score.A * own.T);
-    }
-    const Eigen::MatrixXd gain = marginals_.Project(EffectRows(unmodelled.Follow(left)));
-    const ScoreTest test =
-        TestScore(left.transpose() * score.s,
-                  left.transpose() * score.A * left + noise_.AddedCovariance(gain),
-                  own.T.cwiseAbs2().transpose() * score.signature2);
-    return test.dof > 0 ? ChiSquareTail(test.statistic, test.dof) : 1.0;
-  }
-
-  /// Returns the residuals if the unmodelled and the found effects were estimated.
-  Eigen::VectorXd ResidualWithEffects(const UnmodelledUnknowns& unmodelled) const {
-    if (selection_.chosen.empty()) return residual_;
-    return ResidualWith(unmodelled.EstimateBeside(selection_.joint) + selection_.joint);
   }
 
   /// Returns the residuals if all discrepancies were estimated. The noise of the pairs must not
@@ -528,16 +401,7 @@ class Checker {
     if (!components.empty()) {
       found(components) += TestJointly(selection_.left, components).estimate;
     }
-    return ResidualWith(unmodelled.EstimateBeside(found) + found);
-  }
-
-  /// Returns whether this variance ratio of a group agrees with its own stated noise, and with the
-  /// noise of the other sensors.
-  bool Fits(std::size_t group, double ratio) const {
-    const double redundancy = check_.groups[group].redundancy;
-    FormMoments expected = noisy_moments_[group];
-    if (moments_[group].mean > 0.0) expected.mean *= redundancy / moments_[group].mean;
-    return family_.FamilyWise(expected.UpperTail(ratio * redundancy)) > kFamilyLevel;
+    return ResidualWith(library_, marginals_, unmodelled.EstimateBeside(found) + found);
   }
 
   /// Returns the first rows of the watched rotations in the shift of a score.
@@ -571,7 +435,8 @@ class Checker {
   void CheckAllDiscrepancies(const UnmodelledUnknowns& unmodelled) {
     double excess = PairExcess();
     if (check_.unmodelled && family_.of_boresight) {
-      const NoiseBeyondModel noise = MakeNoise(ResidualWithDiscrepancies(unmodelled));
+      const NoiseBeyondModel noise =
+          forms_.EstimateNoise(check_.groups, ResidualWithDiscrepancies(unmodelled));
       excess = std::max(excess, noise.PairGrowth());
     }
     check_.discrepancies = CheckDiscrepancies(library_, selection_.left, excess, family_);
@@ -581,106 +446,22 @@ class Checker {
   }
 
   void FindClocks(const JointScore& score) {
-    if (!network_.gnss().edges().empty()) {
-      check_.clocks.gnss = EstimateClock(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score,
-                                         kLongestLinearGnss_s);
-    }
-    if (!network_.pairs().edges().empty()) {
-      check_.clocks.lidar = EstimateClock(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift,
-                                          score, kLongestLinearLidar_s);
-    }
-    if (!gnss_clock_) return;
-    check_.clocks.gnss = gnss_clock_;
-    Eigen::VectorXd move = Eigen::VectorXd::Zero(family_.watched_sigma.size());
-    const auto add = [&](EffectId effect, double change) {
-      for (const Eigen::Index c : FindComponents(effect, score))
-        move += change * score.shift.col(c).head(move.size());
-    };
-    add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
-    add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
-    check_.gnss_clock_shift = family_.InSigmas(move);
+    Clocks& clocks = check_.clocks;
+    clocks.gnss = EstimateGnssClock(network_, marginals_, library_, score);
+    clocks.lidar = EstimateLidarClock(network_, marginals_, library_, score);
+    if (!adjustment_.gnss_clock) return;
+    const ClockEstimate& found = *adjustment_.gnss_clock;  // by the INS/GNSS solution
+    clocks.gnss = found;
+    check_.gnss_clock_shift =
+        family_.InSigmas(ShiftByGnssClock(found, library_, score, family_.watched_sigma.size()));
     const auto within = [&](EffectId effect, double value, double sigma) {
       const double prior = prior_.Sigma(effect)[0];
       return prior > 0.0 &&
              std::abs(value) <= EffectEvidence::kFaultPriorSigmas * std::hypot(prior, sigma);
     };
     check_.gnss_clock_within_prior =
-        within(EffectId::kGnssTimeOffset, gnss_clock_->offset_s, gnss_clock_->sigma_offset_s) &&
-        within(EffectId::kGnssTimeDrift, gnss_clock_->drift, gnss_clock_->sigma_drift);
-  }
-
-  /// Returns the components of an effect in the score; empty if it is an unknown of the network.
-  std::vector<Eigen::Index> FindComponents(EffectId effect, const JointScore& score) const {
-    for (const Hypothesis& hypothesis : library_.hypotheses) {
-      if (hypothesis.id == effect) return hypothesis.Components(score);
-    }
-    return {};
-  }
-
-  /// Returns true if noise that was estimated may hide GNSS tags that are far off.
-  bool NoiseHidesTags() const {
-    const Flight& flight = network_.flight();
-    return HasUnknownNoise(flight.config) && !GnssTagsFit(flight);
-  }
-
-  /// Returns nullopt also for an offset beyond `longest_linear_s`, unless it is an unknown.
-  std::optional<ClockEstimate> EstimateClock(EffectId offset, EffectId drift,
-                                             const JointScore& score,
-                                             double longest_linear_s) const {
-    std::vector<Eigen::Index> components = FindComponents(offset, score);
-    const std::vector<Eigen::Index> drift_components = FindComponents(drift, score);
-    components.insert(components.end(), drift_components.begin(), drift_components.end());
-    ScoreTest test;
-    if (!components.empty()) test = TestJointly(score, components);
-    if (test.dof < static_cast<int>(components.size())) return std::nullopt;
-    Eigen::Index at = 0;
-    const auto take = [&](EffectId effect, double* value, double* sigma) {
-      if (!FindComponents(effect, score).empty()) {
-        *value = test.estimate[at];
-        *sigma = std::sqrt(test.covariance(at, at));
-        ++at;
-        return;
-      }
-      const BlockId block = network_.net().Find(EffectName(effect));
-      *value = network_.net().block(block).value[0];
-      *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
-    };
-    ClockEstimate clock;
-    const bool first_order = !FindComponents(offset, score).empty();
-    take(offset, &clock.offset_s, &clock.sigma_offset_s);
-    if (first_order && std::abs(clock.offset_s) > longest_linear_s) return std::nullopt;
-    if (first_order && offset == EffectId::kGnssTimeOffset && NoiseHidesTags()) return std::nullopt;
-    take(drift, &clock.drift, &clock.sigma_drift);
-    if (at == 2) {
-      clock.correlation = test.covariance(0, 1) / (clock.sigma_offset_s * clock.sigma_drift);
-    }
-    return clock;
-  }
-
-  /// Returns the residuals as they would be if effects of this size were in the model. `effects`
-  /// are in SI, one value per component of the score.
-  Eigen::VectorXd ResidualWith(const Eigen::VectorXd& effects) const {
-    if (effects.isZero(0.0)) return linearized_.residual();
-    return linearized_.residual() + marginals_.Project(EffectRows(effects));
-  }
-
-  /// Returns L X with the columns L of all effects: one row per component of the score in X, and
-  /// one per residual in the result.
-  Eigen::MatrixXd EffectRows(const Eigen::MatrixXd& X) const {
-    Eigen::MatrixXd added = Eigen::MatrixXd::Zero(linearized_.rows(), X.cols());
-    Eigen::Index first = 0;
-    for (const EffectModel& block : library_.blocks) {
-      const Eigen::Index size = block.empty() ? 0 : block.front().L.cols();
-      const Eigen::MatrixXd value = X.middleRows(first, size);
-      first += size;
-      if (value.isZero(0.0)) continue;
-      for (const EffectPart& part : block) {
-        const auto rows = linearized_.FindRows(part.factor);
-        if (!rows) continue;
-        added.middleRows(rows->first, rows->count) += std::sqrt(rows->weight) * part.L * value;
-      }
-    }
-    return added;
+        within(EffectId::kGnssTimeOffset, found.offset_s, found.sigma_offset_s) &&
+        within(EffectId::kGnssTimeDrift, found.drift, found.sigma_drift);
   }
 
   void CheckPriors() {
@@ -701,12 +482,10 @@ class Checker {
   const FlightNetwork& network_;
   const Marginals& marginals_;
   const TrajectoryResult& trajectory_;
-  const std::optional<ClockEstimate>& gnss_clock_;  // from the INS/GNSS solution
   const LinearizedNetwork& linearized_;
   UnmodelledPrior prior_;
   int threads_;
-  std::vector<ResidualForm> forms_;  // of the channels, of common errors, and of clusters of pairs
-  std::size_t num_channels_ = 0, num_tested_ = 0;
+  TestedForms forms_;
   Library library_;
   std::optional<GnssProcessBasis> gnss_process_;
   std::optional<std::size_t> control_shift_;  // block of the library
@@ -714,14 +493,9 @@ class Checker {
   Eigen::Index first_mounting_ = 0;  // row of MountingUnknowns in the shift of a score
   TestFamily family_;
   Eigen::MatrixXd gain_;      // rows x watched coordinates
-  Eigen::MatrixXd energies_;  // forms_ x samples
-  std::vector<FormMoments> moments_;
   double smallest_p_ = 1.0;   // of all tests, raw
   Eigen::VectorXd residual_;  // with the unmodelled effects
-  Eigen::VectorXd left_;      // with these and the found effects
   ScoreSelection selection_;
-  NoiseBeyondModel noise_;
-  std::vector<FormMoments> noisy_moments_;  // with the noise that the other sensors have
   ModelCheck check_;
 };
 

@@ -16,7 +16,7 @@ namespace dn {
 ///                             INS/GNSS solution does not settle
 ///   gnss_correlated_noise     one more element of gnss.processes
 ///   gnss_multipath            one more element of gnss.processes, with grows_with: bank
-///   gnss_noise_scale          gnss.sigma_scale x ratio
+///   gnss_noise_scale          gnss.sigma_scale, and velocity_sigma_scale if stated, x ratio
 ///   gyro, accel_noise_scale   white noise x ratio
 ///   gyro, accel_bias_process  one more gauss_markov process
 ///   imu_vibration             one more element of imu.vibration, with its window
@@ -32,8 +32,9 @@ namespace dn {
 /// the sensor.
 FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes);
 
-/// Returns the configuration with the effects named by the diagnosis. Sets `unexplained` to a
-/// description of the gap that they leave, so that the flight is not reported as calibrated.
+/// Returns the configuration with the effects named by the diagnosis, and with those that heavy
+/// tails replaced (GapVerdict::heavy_tails): a robust loss also suits the tails. Sets `unexplained`
+/// to a description of the gap that is left, so that the flight is not reported as calibrated.
 FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis);
 
 /// Returns the key of flight.yaml that Adapted changes for an effect, such as "estimate" or
