@@ -32,11 +32,21 @@ function(dn_add_layer name)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
+# dn_register_tests(<program> [properties of its tests...]): the tests of a program run in one process,
+# where they share simulated flights, as one test of ctest with the name of the program. Tests with
+# ManyRuns in the name of their suite take long. They are tests of ctest by themselves.
+function(dn_register_tests name)
+  add_test(NAME ${name} COMMAND ${name} --gtest_filter=-*ManyRuns*)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 1200 COST 10 ${ARGN})
+  gtest_discover_tests(${name} NO_PRETTY_VALUES TEST_FILTER *ManyRuns* DISCOVERY_TIMEOUT 120
+    PROPERTIES TIMEOUT 600 ${ARGN})
+endfunction()
+
 #   dn_add_test(<name> SOURCES <files> LINK <targets>
 #               [LABEL <unit|property|golden|example|cli|package|slow>] [INCLUDE <folders>])
 #
-# Adds one GoogleTest program from all sources of a folder with the same label; every TEST becomes a
-# ctest entry. With CMAKE_UNITY_BUILD several sources are compiled together; they share the namespace
+# Adds one GoogleTest program from all sources of a folder with the same label, and its tests
+# (dn_register_tests). With CMAKE_UNITY_BUILD several sources are compiled together; they share the namespace
 # dn::<layer>_test, in which a name has one meaning. INCLUDE: folders of headers that only
 # the layer itself and its tests use.
 function(dn_add_test name)
@@ -56,6 +66,5 @@ function(dn_add_test name)
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/slow)
   endif()
-  gtest_discover_tests(${name} NO_PRETTY_VALUES
-    PROPERTIES LABELS "${A_LABEL}" DISCOVERY_TIMEOUT 120 TIMEOUT 600)
+  dn_register_tests(${name} LABELS ${A_LABEL})
 endfunction()
