@@ -12,6 +12,7 @@
 #include <exception>
 #include <optional>
 
+#include "beam_ends.h"
 #include "command.h"
 #include "data_hints.h"
 #include "shaking_json.h"
@@ -216,11 +217,14 @@ void SummarisePairs(const Flight& flight, Json* json) {
   }
   const std::string geometry = DescribeGeometry(lines, MeanRange(flight.pairs->pairs));
   if (!geometry.empty()) fmt::print("                {}\n", geometry);
+  const std::vector<BeamEnds> beams = CountBeamEnds(flight);
+  for (const BeamEnds& one : beams) fmt::print("                {}\n", Words(one));
   (*json)["pairs"] = {{"count", flight.pairs->pairs.size()},
                       {"files", flight.pairs->files.size()},
                       {"strips", list},
                       {"between", between},
                       {"geometry", geometry}};
+  if (!beams.empty()) (*json)["pairs"]["beams"] = ToJson(beams);
 }
 
 struct CommandVerdict {

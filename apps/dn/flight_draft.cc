@@ -98,6 +98,21 @@ std::string OffsetText(double offset_s) {
   return text + "\n";
 }
 
+/// Returns the number of beams that the pairs of a file name; 0 for a file without beams.
+std::size_t CountBeams(const std::filesystem::path& file) {
+  double largest = kNoBeam;
+  TextTableReader reader(file, {});
+  while (reader.Next(10000)) {
+    const TextTable& table = reader.table();
+    if (table.columns != 10 && table.columns != 16) return 0;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      const double* row = table.row(i);
+      largest = std::max({largest, row[table.columns - 2], row[table.columns - 1]});
+    }
+  }
+  return largest >= 0.0 && largest < kMostBeams ? static_cast<std::size_t>(largest) + 1 : 0;
+}
+
 Eigen::Vector3d MainAxis(const Eigen::Vector3d& v) {
   Eigen::Index axis = 0;
   v.cwiseAbs().maxCoeff(&axis);
@@ -295,6 +310,7 @@ void FlightDraft::SettleSensors() {
 
 void FlightDraft::SettleScanner() {
   if (pairs_.empty()) return;
+  for (const FileContent& file : pairs_) num_beams_ = std::max(num_beams_, CountBeams(file.file));
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
   for (const FileContent& file : pairs_) {
     const TextTable table = ReadTextTable(file.file, {}, '#', 4000);
@@ -403,7 +419,18 @@ std::string FlightDraft::LidarText() const {
       "  R_sensor_to_body: {}\n  scan_axis: {}\n  nadir_axis: {}\n"
       "  lever_arm_m: [0, 0, 0]        # MISSING: scanner in body, forward right down, m\n"
       "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n{}",
-      files, MatrixText(R_bs), ListText(scan_axis_s_), ListText(nadir_s_), GeoreferencingText());
+      files, MatrixText(R_bs), ListText(scan_axis_s_), ListText(nadir_s_),
+      BeamsText() + GeoreferencingText());
+}
+
+std::string FlightDraft::BeamsText() const {
+  if (num_beams_ == 0) return {};
+  return fmt::format(
+      "  # The pairs name the beams 0 to {} of a rotating scanner. Replace count by angles_deg,\n"
+      "  # the vertical angles of the data sheet in this order: they check the numbers.\n"
+      "  beams: {{count: {}, angle_sigma_deg: 0.1, range_offset_sigma_m: 0.03}}   # sigmas "
+      "assumed\n",
+      num_beams_ - 1, num_beams_);
 }
 
 std::string FlightDraft::TrajectoryText() const {
@@ -482,6 +509,9 @@ std::vector<std::string> FlightDraft::Missing() const {
     missing.emplace_back(
         "lidar.georeferenced_with: the boresight that the strips without laser vectors were "
         "georeferenced with");
+  }
+  if (num_beams_ > 0) {
+    missing.emplace_back("lidar.beams: the angles of the beams, and the sigmas of the data sheet");
   }
   if (pairs_.empty()) missing.emplace_back("no pairs: calibrate needs them");
   if (!pairs_.empty()) {

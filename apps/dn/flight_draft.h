@@ -48,6 +48,7 @@ class FlightDraft {
   std::string ImuText() const;
   std::string GnssText() const;
   std::string LidarText() const;
+  std::string BeamsText() const;
   std::string GeoreferencingText() const;
   std::string TrajectoryText() const;
   std::string ColumnsText() const;
@@ -57,6 +58,7 @@ class FlightDraft {
   std::optional<FileContent> imu_, gnss_, trajectory_, smrmsg_;
   std::vector<FileContent> others_;  ///< further files of the kinds above
   std::vector<FileContent> pairs_;
+  std::size_t num_beams_ = 0;  ///< that the pairs name; 0: none
   /// Number of strips that neither contain laser vectors nor record the boresight of their points.
   std::size_t strips_without_vectors_ = 0;
   std::vector<std::string> found_, notes_, axes_notes_;

@@ -67,7 +67,7 @@ class ClockEstimator {
       *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
     };
     take(effects_.offset, !offset_.empty(), 0, &clock.offset_s, &clock.sigma_offset_s);
-    if (!offset_.empty() && !IsOfFirstOrder(clock.offset_s)) return std::nullopt;
+    if (!offset_.empty() && !IsLinear(clock.offset_s)) return std::nullopt;
     const Eigen::Index after = offset_.empty() ? 0 : 1;
     take(effects_.drift, !drift_.empty(), after, &clock.drift, &clock.sigma_drift);
     if (!offset_.empty() && !drift_.empty()) {
@@ -77,7 +77,7 @@ class ClockEstimator {
   }
 
  private:
-  bool IsOfFirstOrder(double offset_s) const {
+  bool IsLinear(double offset_s) const {
     if (std::abs(offset_s) > effects_.longest_linear_s) return false;
     return effects_.offset != EffectId::kGnssTimeOffset || !NoiseHidesTags(network_.flight());
   }

@@ -26,7 +26,8 @@ struct TestedForms {
   std::vector<ResidualForm> Tested() const;
   std::vector<FormMoments> TestedMoments() const;
 
-  /// Estimates the noise of the residuals beyond the stated one. `groups` are those of the channels.
+  /// Estimates the noise of the residuals beyond the stated one. `groups` are the tests of the
+  /// channels.
   NoiseBeyondModel EstimateNoise(const std::vector<GroupCheck>& groups,
                                  const Eigen::VectorXd& residual) const;
 };

@@ -68,6 +68,33 @@ TEST_F(CliBeams, AStudyHasTheirSigmas) {
   EXPECT_THAT(run.out, HasSubstr("beam range offsets [m], sigma relative to their mean"));
 }
 
+TEST_F(CliBeams, CheckSaysWhatCalibrateDoesWithThem) {
+  const ProgramRun run = RunProgram({"check", Path("flight"), "--out", Path("check")});
+  EXPECT_THAT(run.out, HasSubstr("4 of 4 beams measured pairs"));
+  EXPECT_THAT(run.out, HasSubstr("calibrate estimates their corrections"));
+  const Json checked = LoadJson(fs::path(Path("check")) / "report.json")["pairs"]["beams"];
+  const Json result = LoadJson(fs::path(Path("result")) / "result.json")["beams"];
+  EXPECT_EQ(checked[0]["ends"], result[0]["ends"]);
+  EXPECT_EQ(checked[0]["stated"], 4);
+  const ProgramRun unstated =
+      RunProgram({"check", Path("flight"), "--set", "lidar.beams=~", "--out", Path("unstated")});
+  EXPECT_THAT(unstated.out, HasSubstr("calibrate takes them for one beam: state lidar.beams"));
+}
+
+TEST_F(CliBeams, InitStatesThem) {
+  const fs::path folder = Path("files");
+  fs::copy(Path("flight"), folder, fs::copy_options::recursive);
+  for (const char* made : {"flight.yaml", "truth.yaml"}) fs::remove(folder / made);
+  fs::remove_all(folder / "reference.out");
+  const ProgramRun run = RunProgram({"init", folder.string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(FileContent(folder / "flight.yaml"),
+              HasSubstr("beams: {count: 4, angle_sigma_deg: 0.1, range_offset_sigma_m: 0.03}"));
+  EXPECT_THAT(run.out, HasSubstr("the angles of the beams"));
+  const ProgramRun check = RunProgram({"check", folder.string(), "--out", Path("check_files")});
+  EXPECT_THAT(check.out, HasSubstr("4 of 4 beams measured pairs"));
+}
+
 /// Returns the numbers of the first row of a text file that is not a comment.
 std::vector<double> FirstRow(const std::string& file) {
   std::istringstream lines(FileContent(file));
