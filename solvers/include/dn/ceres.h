@@ -100,8 +100,8 @@ class NetworkProblem {
   ceres::Problem problem_;
 };
 
-/// A ceres::Problem as a network: the residual blocks are factors, with their loss functions, and
-/// the parameter blocks are blocks with the tangent of their manifolds. The network has its own
+/// A ceres::Problem as a network. The residual blocks are factors, with their loss functions. The
+/// parameter blocks are blocks with the tangent of their manifolds. The network has its own
 /// copies of the present values. It calls the cost functions, loss functions and manifolds of the
 /// problem, which must outlive it. Bounds and evaluation callbacks are not part of a network. The
 /// weight of a loss function is rho', as for all losses whose second derivative is not positive.

@@ -17,8 +17,8 @@ std::optional<BeamErrors> ObservedErrors(const std::vector<BeamCorrections>& bea
                                          const LidarConfig& lidar);
 
 /// Adds `beams` to a result file: a list with an element per scanner. Each has the number of ends
-/// of pairs of each beam, and for `angle` and `range_offset` value, sigma, sigma of the prior and
-/// whether it is observable; the value of a beam that is not observable is null. Adds nothing
+/// of pairs of each beam. For `angle` and `range_offset` it has value, sigma, sigma of the prior
+/// and whether it is observable. The value of a beam that is not observable is null. Adds nothing
 /// without beams. Without values, for a study, there are only sigmas.
 void AddBeamsJson(const std::vector<BeamCorrections>& beams, bool with_values, Json* json);
 

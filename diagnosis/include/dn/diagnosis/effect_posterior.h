@@ -8,9 +8,9 @@
 
 namespace dn {
 
-/// Joint posterior of the fixed effects that a model leaves out, e, and of the calibration unknowns
-/// x: the boresight (left rotation), then the effects under `estimate` in the order of
-/// UnmodelledEffects::unknowns, then others. SI.
+/// Joint posterior of the fixed effects e that a model leaves out, and of the calibration unknowns
+/// x, SI. The first unknowns are those of the boresight (left rotation). The effects under
+/// `estimate` follow in the order of UnmodelledEffects::unknowns, then others.
 struct EffectPosterior {
   std::vector<EffectId> effect;         ///< one per element of e
   std::vector<Eigen::Index> component;  ///< index within the effect, one per element of e

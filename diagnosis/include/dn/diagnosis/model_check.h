@@ -42,8 +42,8 @@ struct NodeChange {
 ///   e = -(A + D^-1)^-1 s,   x' = x - S e,   C' = C + S (A + D^-1)^-1 S^T
 ///
 /// s, A and S are the score, the information and the shift of the effects (JointScore), and D is
-/// their prior covariance (UnmodelledPrior). A process of the GNSS positions has many D, one per
-/// size and time constant: e and C' are then mean and covariance over their posterior.
+/// their prior covariance (UnmodelledPrior). A process of the GNSS positions has one D per size and
+/// time constant. With it, e and C' are mean and covariance over the posterior of both.
 struct UnmodelledEffects {
   /// Change of an estimated effect: the correction of its value, and the variance added, SI.
   struct UnknownChange {
@@ -126,16 +126,16 @@ struct ModelCheck {
 /// The p-values of single tests are multiplied by the number of tests (Bonferroni), so that their
 /// level is kept for any dependence. The p-value of the flight is 1 - (1 - p)^m with the smallest
 /// raw p. The effective number of tests m is the maximum likelihood estimate from the smallest p of
-/// replicates: the 32 samples of residuals for groups and common errors, 400 draws of N(0, A) for
-/// the scores. Each prior adds one test.
+/// replicates. For groups and common errors these are the 32 samples of residuals, for the scores
+/// 400 draws of N(0, A). Each prior adds one test.
 ///
 /// tr(M_gg^2) and the moments of the sums over windows are estimated from 32 samples of M e, e ~
 /// N(0, I), with a fixed seed. The p-values are those of a chi-square distribution with the same
 /// mean and variance.
 ///
-/// The noise of a flight with a boresight and unmodelled effects is estimated from the residuals
-/// with all effects: the variance of each channel, for pairs that of each axis, and of errors that
-/// neighbouring pairs share. What exceeds the stated noise is part of the covariance
+/// If a flight has a boresight and unmodelled effects, its noise is estimated from the residuals
+/// with all effects. Each channel has a variance, pairs one for each axis, and so have the errors
+/// that neighbouring pairs share. What exceeds the stated noise is part of the covariance
 /// (UnmodelledEffects::noise_covariance_rad2), and tests are repeated with it:
 ///   - Found effects: the covariance of their scores contains the noise. The statistic of an effect
 ///     of the lidar or of GNSS is also divided by the largest growth of errors that pairs or

@@ -54,12 +54,12 @@ Json ComparisonJson(const std::string& flight,
 /// Returns `estimates` of result.json: value, sigma and unit of each unknown by its name.
 Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns);
 
-/// Returns the boresight of a design, without angles: sigmas, covariance and correlation, the same
-/// of the pure model, and the contributions of the effects that it leaves out.
+/// Returns the boresight of a design, without angles. It has sigmas, covariance and correlation,
+/// the same of the pure model, and the contributions of the effects that this model leaves out.
 Json PredictedBoresightJson(const BoresightResult& boresight);
 
-/// Returns lines with the sigmas of the pure model, and with the effects outside of it that have
-/// the largest parts in the reported sigmas; empty without such effects.
+/// Returns lines with the sigmas of the pure model, and with the effects outside of it. The effects
+/// are those with the largest parts in the reported sigmas. Empty without such effects.
 std::string ContributionsSummary(const BoresightResult& boresight);
 
 /// Returns smooth.json of `dn smooth`, with the verdict `consistent` or `contradicted`.

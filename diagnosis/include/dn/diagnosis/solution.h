@@ -48,12 +48,12 @@ class Solution {
   /// Returns the boresight of the pure model with the verdict of its geometry. Throws RankDeficient
   /// if it is constant.
   BoresightResult Boresight() const;
-  /// Returns the boresight with the effects that the model leaves out in angles and covariance,
-  /// and with the verdict and the findings of the model check (Assess).
+  /// Returns the boresight with verdict and findings of the model check (Assess). Angles and
+  /// covariance contain the effects that the model leaves out.
   BoresightResult CheckedBoresight() const;
 
-  /// Returns the angles of the pure model with the covariance that they have if the effects that
-  /// the model leaves out are estimated; uses no residuals. For designs without measured values.
+  /// Returns the angles of the pure model, with their covariance if the effects that the model
+  /// leaves out are estimated. Uses no residuals: for designs without measured values.
   BoresightResult PredictedBoresight() const;
 
   /// Returns the mountings of several scanners, with the effects that the model leaves out and the
@@ -76,9 +76,9 @@ class Solution {
   std::vector<UnknownEstimate> Unknowns() const;
 
   /// The functions below return results of the model with the effects that it leaves out
-  /// (UnmodelledEffects): the other estimated unknowns, poses, biases and standard deviations at
-  /// the nodes, and the corrected points of a trajectory that DenseTrajectory returned for this
-  /// network.
+  /// (UnmodelledEffects). These are the other estimated unknowns, and poses, biases and standard
+  /// deviations at the nodes. CheckedTrajectory corrects points that DenseTrajectory returned for
+  /// this network.
   std::vector<UnknownEstimate> CheckedUnknowns() const;
   std::vector<MapPose> CheckedPoses() const;
   std::vector<BiasEstimate> CheckedBiases() const;

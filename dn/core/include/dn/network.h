@@ -253,8 +253,8 @@ class Network {
   };
 
   /// Adds all blocks and factors of another network; the names of its blocks get the prefix. A
-  /// block named in `shared` keeps its name and is the block of that name in this network, with the
-  /// value and state that it has here; it is added if this network does not have it yet. Two
+  /// block named in `shared` keeps its name and is the block of that name in this network. It has
+  /// the value and state that it has here, and is added if this network does not have it yet. Two
   /// flights with one boresight:
   ///
   ///   dn::Network both;
@@ -298,8 +298,8 @@ class Network {
   ///   net.Add([=](const auto& p) { return (p - station).norm() - distance; },
   ///           dn::Noise<1>::Sigma(0.02), antenna);
   ///
-  /// `function` takes one `const auto&` per block: a vector or quaternion (Eigen map) of T, a T for
-  /// a Scalar, a Transform<T> for a Pose, or the View of a user's own kind. T is double or
+  /// `function` takes one `const auto&` per block. This is a vector or quaternion (Eigen map) of T,
+  /// a T for a Scalar, a Transform<T> for a Pose, or the View of a user's own kind. T is double or
   /// ceres::Jet. The function returns R residuals: a T, an Eigen vector of fixed size (end an
   /// expression with .eval()), or a std::optional of one of these. An empty optional means that the
   /// model is undefined. Other shapes do not compile.

@@ -8,8 +8,8 @@
 
 namespace dn {
 
-/// Values, covariances and priors of a network by the names of its blocks: the result of one
-/// adjustment for another program, another day or a restart. dn/report/network_file.h reads and
+/// Values, covariances and priors of a network by the names of its blocks. It passes the result of
+/// an adjustment to another program, another day or a restart. dn/report/network_file.h reads and
 /// writes it.
 struct NetworkState {
   struct Block {

@@ -48,17 +48,17 @@ struct MountingBlocks {
   Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();
 };
 
-/// A LidarPoint with the corrections of all calibration values, and with its increments
-/// conditioned on the node after it if the end has a bridge (IncrementConditioning).
+/// A LidarPoint with the corrections of all calibration values. If the end has a bridge, its
+/// increments are conditioned on the node after it (IncrementConditioning).
 ///
-/// The reading is corrected by the effects of the lidar: its laser vector, its epoch tag - dt -
-/// delay, and the boresight Exp(theta + turn). The increments are corrected by the bridge, by the
-/// inertial effects to first order, and by the additional gravitation.
+/// The effects of the lidar correct the laser vector, the epoch (tag - dt - delay), and the
+/// boresight Exp(theta + turn). The increments are corrected by the bridge, by the inertial effects
+/// to first order, and by the additional gravitation.
 class LidarPointBetweenNodes {
  public:
   LidarPointBetweenNodes() = default;
-  /// `node` is the index of the first of the three blocks of the node (q_mb, p_mb, v_m), and
-  /// `node_after` that of the attitude of the node after the epoch, which only a bridge uses.
+  /// `node` is the index of the first of the three blocks of the node (q_mb, p_mb, v_m). Only a
+  /// bridge uses `node_after`, the index of the attitude of the node after the epoch.
   LidarPointBetweenNodes(const LocalFrame& frame, const LidarEnd& end,
                          const MountingBlocks& mounting, std::size_t node, std::size_t node_after);
 
@@ -104,8 +104,8 @@ class LidarPointBetweenNodes {
 
 namespace factors_internal {
 
-/// Returns d theta' / d theta of the left tangents: the Jacobian with respect to the turned
-/// boresight Exp(theta), times this, is the one with respect to the block q_boresight.
+/// Returns d theta' / d theta of the left tangents. The Jacobian with respect to the turned
+/// boresight Exp(theta) times this matrix is the one with respect to the block q_boresight.
 Eigen::Matrix3d FromBoresightBlock(const Eigen::Vector3d& theta, const double* q_boresight);
 
 }  // namespace factors_internal

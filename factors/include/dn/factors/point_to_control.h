@@ -20,8 +20,9 @@ struct PreparedControl {
   /// Directions in which the true point may deviate from the surveyed one, one per column: three
   /// for a point, the normal for a plane.
   Eigen::Matrix<double, 3, Eigen::Dynamic> directions = Eigen::Matrix3d::Identity();
-  /// Square root of the information of the return, one row per residual: three rows if it observes
-  /// all coordinates, one (normal^T / sigma) if it observes the distance from a surface.
+  /// Square root of the information of the return, one row per residual. A return that observes all
+  /// coordinates has three rows. One that observes the distance from a surface has the row
+  /// normal^T / sigma.
   Eigen::Matrix<double, Eigen::Dynamic, 3> sqrt_information = Eigen::Matrix3d::Identity();
   /// Whether the coordinates of the control have a common shift against those of the trajectory.
   bool with_datum_shift = false;

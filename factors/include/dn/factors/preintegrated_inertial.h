@@ -24,8 +24,8 @@ using GravitationBasis = Eigen::Matrix3Xd;
 ///   r   = W (r_R, r_v, r_p)                                                    [9], unitless
 ///
 /// with rho = r0 + p, V = v + w x rho, C = Exp(w dt) (see EarthStep) and W^T W the inverse of the
-/// increments' covariance. d_bg = (sum of the gyro bias blocks) - linearisation, d_ba is defined
-/// likewise, and d_e = e - the values of the effects at which the increments were integrated. Every
+/// increments' covariance. d_bg = (sum of the gyro bias blocks) - linearisation; d_ba is defined
+/// likewise. d_e = e - the values of the effects at which the increments were integrated. Every
 /// effect on gravitation adds D g to G, with D its GravitationBasis.
 ///
 ///   block       | symbol | stored | tangent | meaning

@@ -49,8 +49,9 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
 
 namespace factors_internal {
 
-/// These functions throw InvalidInput, beginning with `what`: if a laser vector is zero, or if it
-/// or a nominal position is not finite, and if a mounting matrix is not a rotation (1e-6).
+/// These functions throw InvalidInput, beginning with `what`. They do so for a laser vector that is
+/// zero, for one or a nominal position that is not finite, and for a mounting matrix that is not a
+/// rotation (1e-6).
 void CheckEnd(const char* what, const LidarEnd& end);
 void CheckMounting(const char* what, const Eigen::Matrix3d& R_bs);
 

@@ -24,7 +24,7 @@ struct UnitAgreement {
   double last_s = 0.0;       ///< its end
   double noise_radps = 0.0;  ///< rms of the differences of the rates over a tenth of a second
   /// Squared differences of the solutions of eight parts of the span from the whole one, divided by
-  /// their variances: near 1 if the units agree within their noise. The sigmas above are those of
+  /// their variances. Near 1 if the units agree within their noise. The sigmas above are those of
   /// the noise, multiplied by the root of it if it exceeds 1.
   double variance_ratio = 0.0;
   double p_value = 1.0;  ///< probability of such a ratio or a larger one if the units agree
@@ -32,8 +32,8 @@ struct UnitAgreement {
 
 /// Finds the relation of two units whose clocks are independent of each other. The magnitudes of
 /// the rates, which do not depend on axes, give the offset; least squares over the rates give the
-/// rest. Returns nullopt if the units do not measure the same rotations during 20 s at least, if
-/// they fit at two offsets about as well, or if the body turns about one axis only.
+/// rest. Returns nullopt if the units do not measure the same rotations during 20 s at least. Also
+/// returns nullopt if two offsets fit about as well, or if the body turns about one axis only.
 std::optional<UnitAgreement> CompareUnits(const ImuData& a, const ImuData& b);
 
 }  // namespace dn

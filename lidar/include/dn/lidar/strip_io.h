@@ -99,7 +99,7 @@ struct LasGrid {
 
 /// Creates a new LAS or LAZ file: version 1.4, point format 6, time in seconds of week. This format
 /// has 64-bit counts, and its specification includes extra bytes. The laser vector is stored as
-/// extra bytes ux, uy, uz [m] of type double, and with_beam adds the beam as an extra attribute of
+/// extra bytes ux, uy, uz [m] of type double. With `with_beam`, the beam is an extra attribute of
 /// type unsigned short. The file does not name a coordinate system. Append needs p_c, t_s and u_s,
 /// and beam if it is written. Empty arrays of source, intensity, classification and flags are
 /// written as 0. Without return_number and returns_after, each point is the only return of its

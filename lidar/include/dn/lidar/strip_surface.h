@@ -24,9 +24,9 @@ struct FlatSurface {
 std::uint64_t CellKey(const Eigen::Vector2d& en_m, double cell_m);
 Eigen::Vector2d CellCentre(std::uint64_t key, double cell_m);
 
-/// Collects the points of a strip in cells and fits planes to them, to compare strips on surfaces
-/// as the Lidar Base Specification of USGS does. Flat ground is a cell whose points spread in both
-/// directions and lie on a plane with a slope below 10 deg, with an rms below 0.1 m.
+/// Collects the points of a strip in cells and fits planes to them. Strips can then be compared on
+/// surfaces as in the Lidar Base Specification of USGS. The points of a cell of flat ground spread
+/// in both directions, and lie on a plane with a slope below 10 deg, with an rms below 0.1 m.
 /// Memory: some 80 bytes per cell, independent of the number of points.
 class StripSurface {
  public:

@@ -29,7 +29,7 @@ struct MatchOptions {
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d(0.03, 0.03, 0.05);
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d(5e-5, 5e-5, 9e-5);
   /// Number of beams of the scanner. With several beams, each pair is registered from the points of
-  /// one beam on each side, and a ground sampling distance is increased to that of one beam.
+  /// one beam on each side. A ground sampling distance is then increased to that of one beam.
   int beams = 1;
   std::uint64_t seed = 0;
   int threads = 1;
@@ -111,8 +111,8 @@ struct MatchResult {
 /// 5. The range offset of plants is estimated from all pairs, with a prior of half a GSD, and the
 ///    pairs are corrected for it. Their covariances contain its sigma.
 ///
-/// Of a flight, steps 2 to 4 first match 32 large cells of each strip pair, because the boresight
-/// of the rasters leaves the strips tilted against each other. They are repeated once if the
+/// The boresight of the rasters leaves the strips tilted against each other. Of a flight, steps 2
+/// to 4 therefore first match 32 large cells of each strip pair. They are repeated once if the
 /// boresight then still turns by more than 1e-4 rad.
 ///
 /// The alignment of `source` is set to the result. The result is the same for any number of

@@ -19,12 +19,12 @@ Effect DrawGnssProcess(const Eigen::Vector3d& stated_enu_m, double factor, std::
 
 /// Draws the errors that neighbouring pairs share. Half of the flights have none. In the others,
 /// the variance of these errors is 1/128, 1/64, .. 1 of that of the independent ones, times
-/// `factor` squared, and their length is 15, 30, 60 or 120 m, all equally probable.
+/// `factor` squared. Their length is 15, 30, 60 or 120 m. All values are equally probable.
 void DrawSharedPairErrors(double factor, std::uint64_t seed, PairScenario* pairs);
 
-/// Returns the scenario with the draws of the three functions above: every effect of the prior of
-/// its flights, a time-correlated error of GNSS positions, and shared errors of pairs. A scenario
-/// with its own process or shared errors keeps them.
+/// Returns the scenario with the draws of the three functions above. These are every effect of the
+/// prior of its flights, a time-correlated error of GNSS positions, and shared errors of pairs. A
+/// scenario with its own process or shared errors keeps them.
 Scenario WithDrawnEffects(Scenario scenario, double factor, std::uint64_t seed);
 
 }  // namespace dn

@@ -55,8 +55,8 @@ class DrydenTurbulence {
   const DrydenGusts& gusts() const { return gusts_; }
   double top_hz() const { return top_hz_; }
 
-  /// Returns the root mean square of the part of a motion between two frequencies: an angle in rad,
-  /// the speed in m/s, or the height in m.
+  /// Returns the root mean square of the part of a motion between two frequencies. It is an angle
+  /// in rad, the speed in m/s, or the height in m.
   double Rms(GustMotion motion, double f_low_hz, double f_high_hz) const;
 
   /// Returns the lowest frequency of a motion: 0.02 Hz for an angle, 0.005 Hz for speed and height.

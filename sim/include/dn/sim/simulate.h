@@ -71,10 +71,13 @@ FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed);
 /// no two strips that overlap). Throws InvalidInput for an invalid trajectory to replay.
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
 
-/// Adds the files of the flight to `directory`; the caller commits them. They are flight.yaml,
-/// IMU.txt, GPS.txt, lidar/<a>_<b>.txt (for scanners of a list lidar_<name>/ and, between two of
-/// them, lidar_<name>_<name>/), control/points.txt, control/checks.txt, reference.out
-/// (SBET at the inertial rate) and truth.yaml.
+/// Adds the files of the flight to `directory`; the caller commits them. They are
+///
+///   flight.yaml, IMU.txt, GPS.txt
+///   lidar/<a>_<b>.txt; for scanners of a list lidar_<name>/, and lidar_<name>_<name>/ between two
+///   control/points.txt, control/checks.txt
+///   reference.out (SBET at the inertial rate) and truth.yaml
+///
 /// The effect trajectory_attitude_offset adds trajectory.out. Point clouds are not included; see
 /// WriteClouds.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);

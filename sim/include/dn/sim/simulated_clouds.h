@@ -26,8 +26,8 @@ struct CloudCounts {
 };
 
 /// Point clouds of a simulated flight. They are computed when they are written, because the pulses
-/// of a flight do not fit into memory. For each pulse at the true epoch t, with the true
-/// trajectory, boresight theta, lever arm a and beam direction d in the sensor frame (ScanTiming):
+/// of a flight do not fit into memory. A pulse has the true epoch t. With the true trajectory,
+/// boresight theta, lever arm a and beam direction d in the sensor frame (ScanTiming):
 ///
 ///   range r:  p_mb + R_mb (a + r Exp([theta]x) R_bs d')  is the first point of the surface
 ///   u = measured(r d) + noise along the beam

@@ -35,9 +35,9 @@ struct JacobianFault {
 /// differ: empty if all are right. A wrong PlusJacobian of a block kind shows in its factors.
 ///
 /// Blocks that are constant and factors that are undefined at the present values are left out. An
-/// entry also counts as right if its numerical derivative is too uncertain to decide, or if it is
-/// one of the derivatives at a kink. Costs about 70 evaluations per tangent coordinate of each
-/// factor. Throws InvalidInput naming the factor if a factor throws at the present values.
+/// entry also counts as right if its numerical derivative is too uncertain to decide. The same
+/// holds for one of the derivatives at a kink. Costs about 70 evaluations per tangent coordinate of
+/// each factor. Throws InvalidInput naming the factor if a factor throws at the present values.
 std::vector<JacobianFault> CheckJacobians(const Network& network,
                                           const JacobianCheckOptions& options = {});
 

@@ -23,8 +23,8 @@ struct Elimination {
   double cost = 0.0;
 };
 
-/// Removes blocks and all factors on them, and adds one LinearPrior of their neighbours (the blocks
-/// that share an active factor with them) which contains the same information:
+/// Removes blocks and all factors on them, and adds one LinearPrior of their neighbours with the
+/// same information. Neighbours are the blocks that share an active factor with them:
 ///
 ///   R^T R = N_SS - N_SE N_EE^-1 N_ES,    E the eliminated blocks, S the neighbours
 ///
@@ -33,8 +33,8 @@ struct Elimination {
 /// of a solved network. SolveSummary::warnings says if later measurements have moved the neighbours
 /// so far that the difference counts.
 ///
-/// A finished part of a trajectory, a flight or a day can so be replaced: a growing chain that
-/// keeps its last nodes costs the same for each new node. Constant blocks are not neighbours.
+/// A finished part of a trajectory, a flight or a day can so be replaced. A growing chain that
+/// keeps its last nodes then costs the same for each new node. Constant blocks are not neighbours.
 /// Throws RankDeficient if the neighbours do not determine the blocks, and InvalidInput for a
 /// factor that is undefined; the network is then unchanged.
 Elimination Eliminate(Network* network, const std::vector<BlockId>& blocks,

@@ -8,8 +8,8 @@
 namespace dn {
 
 /// Prediction of one factor's residual from all other factors: the smoothing counterpart of a
-/// filter's innovation. Let H = J C J^T of the adjustment, w the weight of the factor in it (the
-/// rho' of its robust loss; 0 if it is not active) and r its whitened residual. Then
+/// filter's innovation. Let H = J C J^T of the adjustment and r the whitened residual of the
+/// factor. Its weight w is the rho' of its robust loss; 0 if it is not active. Then
 ///
 ///   predicted residual  (I - w H)^-1 r,   covariance  I + H (I - w H)^-1.
 struct Prediction {

@@ -111,8 +111,8 @@ class SizeAveragedEvidence {
   /// size.
   double LogEvidence(const Eigen::VectorXd& s, double variance) const;
 
-  /// Returns the posterior moments of F e for the effect e, averaged over the same sizes. With the
-  /// columns W of U in typical sizes, e has given v_g the mean -W c v_g / (1 + v_g d) and the
+  /// Returns the posterior moments of F e for the effect e, averaged over the same sizes. W are the
+  /// columns of U in typical sizes. Given v_g, e has the mean -W c v_g / (1 + v_g d) and the
   /// covariance W diag(v_g / (1 + v_g d)) W^T.
   LinearMoments Moments(const Eigen::VectorXd& s, const Eigen::MatrixXd& F) const;
 

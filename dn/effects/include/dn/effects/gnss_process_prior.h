@@ -38,8 +38,8 @@ class GnssProcessPrior {
     double size = 0.0;
     double log_probability = 0.0;
   };
-  /// Returns the sizes to integrate over, as multiples of the stated sigma: from practically absent
-  /// to ten times the stated sigma, apart by factors of sqrt(2).
+  /// Returns the sizes to integrate over, as multiples of the stated sigma. They go from
+  /// practically absent to ten, apart by factors of sqrt(2).
   static std::vector<Size> Sizes();
 
   /// Returns the time constants to integrate over, equally probable, for a flight of this length.

@@ -15,16 +15,16 @@ enum class SensorClass {
   kMems,
 };
 
-/// Returns the class by the white noise of the gyros at rest, as a data sheet states it: navigation
-/// up to 0.006 deg/sqrt(h), tactical up to 0.1.
+/// Returns the class by the white noise of the gyros at rest, as a data sheet states it. Navigation
+/// grade has up to 0.006 deg/sqrt(h), tactical grade up to 0.1.
 SensorClass ClassByDataSheet(double white_rad_per_sqrt_s);
 /// Returns the class by the white noise in flight, which platforms increase: navigation up to
 /// 0.02 deg/sqrt(h), tactical up to 0.15.
 SensorClass ClassInFlight(double white_rad_per_sqrt_s);
 
 /// Prior of the fixed effects that a model leaves out: independent Gaussians of mean zero. An
-/// adjustment has them as unknowns, so that they are estimated as far as the data show them, and
-/// stay in the covariance as far as they do not.
+/// adjustment has them as unknowns. They are estimated as far as the data show them, and stay in
+/// the covariance as far as the data do not.
 class UnmodelledPrior {
  public:
   /// Makes the prior of the pure model: no effect is left out.

@@ -67,8 +67,8 @@ std::optional<double> CrsUnitM(const std::string& definition);
 /// GRS80 count as systems on WGS84. Copies share their data; every method is thread-safe.
 class PointCrs {
  public:
-  /// Creates the system. Throws InvalidConfig for any other name, including `none`, for a code that
-  /// does not exist, and for a system whose transformation to WGS84 needs a grid that is missing.
+  /// Creates the system. Throws InvalidConfig for any other name, including `none`, and for a code
+  /// that does not exist. Also throws if the transformation to WGS84 needs a grid that is missing.
   PointCrs(const std::string& name, const LocalFrame& frame);
 
   const std::string& name() const { return name_; }

@@ -82,8 +82,8 @@ NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame);
 MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 
 /// Reads SBET (17 float64, little endian) if the content is binary, otherwise text. A row of text
-/// has t and the given columns, by default those of ODyN: latitude, longitude [deg], height,
-/// quaternion w, x, y, z body -> NED. `columns` has no effect on SBET.
+/// has t and the given columns. By default these are the columns of ODyN: latitude, longitude
+/// [deg], height, quaternion w, x, y, z body -> NED. `columns` has no effect on SBET.
 ///
 /// SBET headings are converted to true headings by subtracting the wander angle. The velocities of
 /// an SBET are used if they agree with the positions within 0.1 m/s under one of the usual sign

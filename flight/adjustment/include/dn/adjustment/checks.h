@@ -44,8 +44,8 @@ struct CommonErrorCheck {
   /// No longer significant if the found effects are estimated, and the noise of other sensors is as
   /// large as their residuals show.
   bool explained = false;
-  /// The reported covariance contains errors that residuals of the group share, and what goes
-  /// beyond them is not significant or shifts no watched unknown by more than its sigma.
+  /// The reported covariance contains errors that residuals of the group share. The rest is not
+  /// significant, or shifts no watched unknown by more than its sigma.
   bool covered = false;
 };
 

@@ -29,8 +29,9 @@ struct SurfaceFit {
 };
 
 /// Fits a plane to the returns around the point `at_m`. Returns beyond three robust standard
-/// deviations are left out. Returns nullopt if fewer than six returns, or less than half of them,
-/// lie on one plane, if they do not surround the point, or if the plane is steeper than 60 deg.
+/// deviations are left out. The result is nullopt if fewer than six returns, or less than half of
+/// them, lie on one plane. It is also nullopt if they do not surround the point, or if the plane is
+/// steeper than 60 deg.
 std::optional<SurfaceFit> FitSurface(const std::vector<NearReturn>& returns,
                                      const Eigen::Vector3d& at_m);
 
@@ -38,11 +39,11 @@ std::optional<SurfaceFit> FitSurface(const std::vector<NearReturn>& returns,
 /// flight.
 bool NeedsControlSearch(const Flight& flight);
 
-/// Finds returns for the control points that have none, one per strip file that passes a point: the
-/// surface of the cloud at the point, from the returns within control.search_radius_m (of a plane:
-/// its extent). The laser vector is that of the return nearest to the point, moved onto the
-/// surface. `mounting` has the boresight with which the returns are georeferenced. Returns the
-/// number of points found.
+/// Finds returns for the control points that have none, one per strip file that passes a point. The
+/// return is the surface of the cloud at the point, fitted to the points of the cloud within
+/// control.search_radius_m, or within the extent of a plane. Its laser vector is that of the
+/// nearest point, moved onto the surface. `mounting` has the boresight with which the returns are
+/// georeferenced. Returns the number of points found.
 long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
                         const Mounting& mounting, ControlData* control);
 

@@ -36,9 +36,11 @@ std::vector<PairResidual> PairResiduals(const FlightNetwork& network,
 std::vector<PairResidual> PairResiduals(const Flight& flight,
                                         const GaussHelmertCalibration& calibration);
 
-/// Returns the text of pair_residuals.txt: t_i, t_j [s]; number of the strip pair in
-/// StripPairsJson, from 1; ground east, north [m]; before east, north, up [m]; after east, north,
-/// up [m]; scan angle i, j [deg]; range i, j [m]; heading i, j [deg].
+/// Returns the text of pair_residuals.txt. Its columns are
+///
+///   t_i, t_j [s];   number of the strip pair in StripPairsJson, from 1
+///   ground east, north [m];   before east, north, up [m];   after east, north, up [m]
+///   scan angle i, j [deg];   range i, j [m];   heading i, j [deg]
 std::string FormatPairResiduals(const std::vector<PairResidual>& residuals);
 
 /// Returns an array with one object per strip pair, in the order of their first pairs, and a last

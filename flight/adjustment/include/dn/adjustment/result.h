@@ -84,8 +84,9 @@ struct EffectContribution {
   Eigen::VectorXd estimate;  ///< posterior mean of each component, in `unit`
   Eigen::VectorXd sigma;     ///< posterior standard deviations
   Eigen::VectorXd prior;     ///< prior standard deviations
-  /// Roots of the decrease of the variances of three angles if the effect were known exactly: those
-  /// of the boresight, or else the attitude about the body axes, root mean square along the flight.
+  /// Roots of the decrease of the variances of three angles if the effect were known exactly. They
+  /// are the angles of the boresight, or else of the attitude about the body axes (root mean square
+  /// along the flight).
   Eigen::Vector3d angle_sigma_rad = Eigen::Vector3d::Zero();
 };
 

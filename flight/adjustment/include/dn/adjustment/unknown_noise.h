@@ -30,14 +30,17 @@ struct NoiseSizes {
 bool HasUnknownNoise(const FlightConfig& config);
 
 /// Estimates the noise of the sensors from an adjustment of the flight, and sets it in the
-/// configuration of the flight: white noise of gyros and accelerometers, their Gauss-Markov
-/// processes and random walks, gnss.sigma_scale and gnss.velocity_sigma_scale. Random constants
-/// keep their sizes.
+/// configuration of the flight. The sizes are
 ///
-/// Each variance has an inverse gamma prior of one degree of freedom with its start value: the size
-/// may differ by a factor of ten and more. The start value of the white noise is that of the raw
-/// data unless the flight states one. With the residuals r of a channel, whose redundancy is f, the
-/// estimates solve the equations of restricted maximum likelihood by Förstner's iteration,
+///   white noise of gyros and accelerometers
+///   their Gauss-Markov processes and random walks; random constants keep their sizes
+///   gnss.sigma_scale, and gnss.velocity_sigma_scale if velocities are in use
+///
+/// Each variance has an inverse gamma prior of one degree of freedom with its start value. The size
+/// may therefore differ by a factor of ten and more. The start value of the white noise is that of
+/// the raw data unless the flight states one. With the residuals r of a channel, whose redundancy
+/// is f, the estimates solve the equations of restricted maximum likelihood by Förstner's
+/// iteration,
 ///
 ///   sigma^2 <- (sigma_0^2 + sigma^2 r^T r) / (1 + f),
 ///
@@ -48,7 +51,7 @@ bool HasUnknownNoise(const FlightConfig& config);
 /// If the sensors contradict each other with the start sizes, larger ones are tried first. A round
 /// that fails later ends the estimation with the latest sizes for which the search for outliers
 /// worked. If the adjustment finds that the GNSS clock is off (Adjustment::gnss_clock), offset and
-/// drift of the clock are unknowns while the noise is estimated; the `estimate` of the flight does
+/// drift of the clock are unknowns while the noise is estimated. The `estimate` of the flight does
 /// not change.
 ///
 /// Throws as Adjust does.

@@ -25,9 +25,10 @@ struct ScannerBlocks {
 
 /// The calibration unknowns of a flight as blocks of a network, with their priors.
 ///
-/// Block names: "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", every other
-/// effect of `estimate` by its name, and the corrections of beams (BeamUnknown); those of further
-/// scanners by ScannerName. A block that the configuration does not estimate is constant.
+/// Block names: "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset". Every other
+/// effect of `estimate` has its own name, as have the corrections of beams (BeamUnknown). Blocks of
+/// further scanners have a ScannerName. A block that the configuration does not estimate is
+/// constant.
 class CalibrationBlocks {
  public:
   /// Adds the blocks with the values of `initial`, and the priors of the configuration. The flight

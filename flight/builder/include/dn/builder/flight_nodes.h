@@ -10,10 +10,10 @@
 namespace dn {
 
 /// Returns the time span of a network: from the first to the last GNSS or pair epoch that the IMU
-/// data cover. A piece of less than 10 s before the first or after the last gap of the IMU data is
-/// left out unless pairs need it, since its heading would be unknown. The GNSS epochs are the time
-/// tags corrected by the calibration (GnssEpochTime).
-/// Throws InvalidInput if fewer than three GNSS epochs lie inside the IMU data.
+/// data cover. Before the first and after the last gap of the IMU data, a piece of less than 10 s
+/// is left out unless pairs need it: its heading would be unknown. The GNSS epochs are the time
+/// tags corrected by the calibration (GnssEpochTime). Throws InvalidInput if fewer than three GNSS
+/// epochs lie inside the IMU data.
 TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
                          const CalibrationState& calibration = {});
 
@@ -34,7 +34,7 @@ enum class NodeRateUse {
 /// The random walk is conditioned on the rotation to the end of the interval
 /// (IncrementConditioning) and taken at the mean laser range. Its limit is a fraction of the
 /// variance of the mean of the pairs in the interval. The fraction is a fiftieth at 1 and 2 Hz, and
-/// a tenth from 5 Hz; for a diagnosis it is six tenths from 2 Hz. The pairs of an interval share
+/// a tenth from 5 Hz. For a diagnosis it is six tenths from 2 Hz. The pairs of an interval share
 /// this noise, but the network treats it as independent. The strongest vibration of any strip is
 /// assumed for all strips.
 double AutoNodeRateHz(const Flight& flight, NodeRateUse use = NodeRateUse::kResult);

@@ -44,10 +44,10 @@ struct GnssEdgeInput {
 };
 
 /// Returns the position factor of an epoch. Without time-correlated errors and GNSS effects it is a
-/// GnssPosition on (q_mb, p_mb, a_b). Otherwise it is a GnssAntenna on (q_mb, p_mb, a_b, v_m), the
-/// values of gnss.processes (CorrelatedGnssError), with the sigmas at the attitude of the pose
-/// (GnssProcessSigma), and the effects in the order of
-/// GnssEffectIndices. Throws InvalidInput with the time of the epoch if its covariance is not
+/// GnssPosition on (q_mb, p_mb, a_b). Otherwise it is a GnssAntenna. Its blocks are q_mb, p_mb, a_b
+/// and v_m, the values of gnss.processes (CorrelatedGnssError), and the effects in the order of
+/// GnssEffectIndices. The processes have their sigmas at the attitude of the pose
+/// (GnssProcessSigma). Throws InvalidInput with the time of the epoch if its covariance is not
 /// finite and positive definite.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
                                                          const MapGnssEpoch& epoch,

@@ -57,8 +57,8 @@ class TrajectoryGraph {
   const std::vector<NodeBlocks>& nodes() const { return nodes_; }
   const std::vector<ProcessChain>& gyro_bias() const { return gyro_bias_; }
   const std::vector<ProcessChain>& accel_bias() const { return accel_bias_; }
-  /// Returns one chain per entry of gnss.processes: east, north, up in units of the sigmas of the
-  /// process at the attitude of the epoch (see CorrelatedGnssError).
+  /// Returns one chain per entry of gnss.processes. The values are east, north, up in units of the
+  /// sigmas of the process at the attitude of the epoch (see CorrelatedGnssError).
   const std::vector<ProcessChain>& gnss_error() const { return gnss_error_; }
 
   /// These two functions return the present pose of node k, and those of all nodes.

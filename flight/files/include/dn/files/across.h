@@ -23,8 +23,8 @@ struct AcrossConfig {
 };
 
 /// Reads the value of `across`; that of an absent value is one constant boresight. Throws
-/// InvalidConfig for a name that is not the boresight or a fixed effect of a whole flight, for a
-/// name that occurs twice, and for a list without the boresight.
+/// InvalidConfig for a name that is not the boresight or a fixed effect of a whole flight. Also
+/// throws for a name that occurs twice, and for a list without the boresight.
 AcrossConfig ParseAcross(const YamlValue& value);
 
 /// Reads the section `across` of a flight.yaml. Throws InvalidConfig as ReadFlightConfig does.

@@ -56,9 +56,11 @@ bool HasControl(const FlightConfig& config);
 /// Reads the control files of a flight (docs/reference/control.md). Rows with the same name are
 /// further returns of the same point.
 ///
-/// Throws InvalidInput with file:line for a row with another number of columns, a value that is not
-/// a finite number, a sigma that is not positive, coordinates outside of the coordinate system, a
-/// normal or laser vector without length, and a name whose coordinates differ from an earlier row.
+/// Throws InvalidInput with file:line for
+///   - a row with another number of columns, and a value that is not a finite number;
+///   - a sigma that is not positive, and a normal or laser vector without length;
+///   - coordinates outside of the coordinate system, and those that differ from an earlier row of
+///     the same name.
 /// Also throws for a name of control.checks that no file has. Throws InvalidConfig if the
 /// coordinate system is unknown.
 ControlData ReadControl(const FlightConfig& config, const LocalFrame& frame);

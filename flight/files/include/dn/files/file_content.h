@@ -38,10 +38,11 @@ struct FileContent {
   double time_offset_s = 0.0;
 };
 
-/// Determines the kind of a file by its content. A text is tested against each kind: time that
-/// increases in plausible steps, gravity and rates, coordinates and speed, sigmas, quaternions and
-/// course, by the names of a header or by trial of the columns. The kind with all tests passed is
-/// taken. Otherwise `why` names the nearest kind and what it lacks, then the second nearest.
+/// Determines the kind of a file by its content. A text is tested against each kind, by the names
+/// of a header or by trial of the columns. The tests are time that increases in plausible steps,
+/// gravity and rates, coordinates and speed, sigmas, quaternions and course. The kind with all
+/// tests passed is taken. Otherwise `why` names the nearest kind and what it lacks, then the second
+/// nearest.
 ///
 ///   kImu         rates and forces; |force| is gravity, in m/s^2 or g, or times the step
 ///   kGnss        latitude, longitude, height, perhaps sigmas and velocities; or a solution of

@@ -61,7 +61,7 @@ struct PairSelection {
   std::uint64_t seed = 0;
 };
 
-/// Key `beams` of a scanner: several laser beams that rotate about the scan axis, each at its own
+/// Key `beams` of a scanner: several laser beams that rotate about the scan axis. Each has its own
 /// angle to the plane perpendicular to this axis.
 struct BeamConfig {
   std::size_t count = 0;
@@ -170,8 +170,8 @@ struct FlightConfig {
   std::string unexplained;
 };
 
-/// Returns whether the GNSS positions have a process whose size and time constant are estimated:
-/// gnss.processes is auto, and the model is not the pure one.
+/// Returns whether the GNSS positions have a process whose size and time constant are estimated.
+/// They do if gnss.processes is auto, and the model is not the pure one.
 bool HasAutomaticGnssProcess(const FlightConfig& config);
 
 /// Returns the columns of a text trajectory as the section `trajectory` describes them, with the
@@ -181,8 +181,8 @@ TrajectoryColumns TextColumns(const FlightConfig& config);
 /// Reads and checks flight.yaml of a flight folder, or a file of that kind under another name. The
 /// data are in the folder of this file, or else in its `data_folder`. Throws InvalidConfig with
 /// file:line for a missing file, bad YAML, and an unknown key (with the nearest known one). Also
-/// throws for a value of the wrong type, shape or range, an unknown preset, and an entry of
-/// `estimate` that is not a fixed effect. A missing section is not an error here; the command that
+/// throws for a value of the wrong type, shape or range, and for an unknown preset. An entry of
+/// `estimate` must be a fixed effect. A missing section is not an error here; the command that
 /// needs it reports it. `changes` are "key.of.keys=value" with a YAML value each, applied before
 /// reading. Throws InvalidConfig for a change without "=".
 FlightConfig ReadFlightConfig(const std::filesystem::path& folder_or_file,

@@ -8,7 +8,7 @@
 namespace dn {
 
 /// Returns the offset of the time tags of the pairs, s (tag = t + offset), for which their ground
-/// points agree, if they do not agree as tagged. The poses are those of the trajectory, else a
+/// points agree. They must not agree as tagged. The poses are those of the trajectory, else a
 /// level body along the course of the GNSS positions. Offsets up to 25 s are tried, so that leap
 /// seconds are found. Returns nullopt without poses, with fewer than 20 pairs, and unless some
 /// offset of at least 1 s brings the points five times closer. A boresight or a lever arm does not

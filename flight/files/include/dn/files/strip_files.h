@@ -25,8 +25,8 @@ std::vector<std::filesystem::path> FindStripFiles(const FlightConfig& config, st
 /// Returns the files of FindStripFiles; throws InvalidInput if there are none.
 std::vector<std::filesystem::path> RequireStripFiles(const FlightConfig& config);
 
-/// Returns the name of the coordinate system that the headers of all strips of a flight state;
-/// empty if one has none, if they differ, or if one cannot be read.
+/// Returns the name of the coordinate system that the headers of all strips of a flight state.
+/// Empty if one has none, if they differ, or if one cannot be read.
 std::string FindStripsCrs(const FlightConfig& config);
 
 /// Compares the coordinate system in the header of a strip with strips_crs of flight.yaml. Throws

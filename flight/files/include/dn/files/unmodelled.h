@@ -22,8 +22,8 @@ struct UnmodelledConfig {
   std::vector<UnmodelledSize> sizes;
 };
 
-/// Returns the prior of the effects that a flight's model leaves out: that of the class of its
-/// inertial unit, with the sizes that the section `unmodelled` states. The class follows from
+/// Returns the prior of the effects that a flight's model leaves out. It is that of the class of
+/// its inertial unit, with the sizes that the section `unmodelled` states. The class follows from
 /// imu.grade, or else from imu.gyro.white_deg_sqrt_h. It is navigation without a section `imu`.
 UnmodelledPrior MakeUnmodelledPrior(const FlightConfig& config);
 

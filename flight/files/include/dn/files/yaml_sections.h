@@ -45,8 +45,8 @@ std::string ReadScannerName(const YamlValue& item, const std::vector<std::string
 std::string QuoteYaml(const std::string& text);
 
 /// Reads the list `processes` of a GNSS section; empty if it is absent. Throws InvalidConfig for a
-/// type other than gauss_markov, a sigma below 0, sigmas that are all 0, a tau_s that is not
-/// positive, and a grows_with other than none and bank.
+/// type other than gauss_markov, and a grows_with other than none and bank. Also throws for a sigma
+/// below 0, sigmas that are all 0, and a tau_s that is not positive.
 std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section);
 
 /// The mounting of a scanner and its scan axes.

@@ -11,9 +11,9 @@ struct GnssLag {
   double lag_s = 0.0;    ///< tag = t + lag
   double sigma_s = 0.0;  ///< standard deviation of lag_s
   double gain = 0.0;     ///< ln of the likelihood ratio of lag_s and lag 0
-  /// True if lag_s is decisively better than all lags that are not its neighbours, and fits nearly
-  /// as well as the noise of the positions allows. Otherwise the motion repeats itself, the files
-  /// belong to different flights, or the true lag is beyond the search.
+  /// True if lag_s is decisively better than all lags that are not its neighbours. It must also fit
+  /// nearly as well as the noise of the positions allows. Otherwise the motion repeats itself, the
+  /// files belong to different flights, or the true lag is beyond the search.
   bool certain = false;
 };
 
@@ -34,9 +34,10 @@ struct GnssLag {
 /// finds such lags with better accuracy. The search takes 0.3 s for ten minutes at 1 Hz.
 std::optional<GnssLag> FindGnssLag(const Flight& flight);
 
-/// Returns true if the motion confirms the GNSS tags within 2 s: lag 0 fits as well as the noise of
-/// the positions allows, or a lag below 2 s fits decisively better than all longer ones. Otherwise
-/// inertial data and GNSS may belong to different motions, or vibration and noise hide the motion.
+/// Returns true if the motion confirms the GNSS tags within 2 s. Lag 0 then fits as well as the
+/// noise of the positions allows, or a lag below 2 s decisively better than all longer ones.
+/// Otherwise inertial data and GNSS may belong to different motions, or vibration and noise hide
+/// the motion.
 bool GnssTagsFit(const Flight& flight);
 
 }  // namespace dn

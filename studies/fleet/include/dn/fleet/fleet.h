@@ -88,8 +88,8 @@ struct FleetResult {
 ///   sum over flights of (y - y_k)^T L_k (y - y_k),   y = [boresight; shared effects],
 ///
 /// with the likelihood's information L_k of a flight, one prior per effect, and steps of the
-/// boresight by `across`. Effects of a sensor have one value for all flights, effects of a place
-/// one for the flights at that place, and effects of a day one per flight.
+/// boresight by `across`. Effects of a sensor have one value for all flights. Effects of a place
+/// have one for the flights at that place, and effects of a day one per flight.
 ///
 /// Throws InvalidConfig for fewer than two flights, for different mountings, and for a name under
 /// `across` that a flight does not estimate.
