@@ -32,14 +32,21 @@ function(dn_add_layer name)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# dn_register_tests(<program> [properties of its tests...]): the tests of a program run in one process,
-# where they share simulated flights, as one test of ctest with the name of the program. Tests with
-# ManyRuns in the name of their suite take long. They are tests of ctest by themselves.
+# dn_register_tests(<program> LABEL <label> [properties of its tests...]): the tests of a program run in
+# one process, where they share simulated flights, as one test of ctest with the name of the program.
+# Tests with ManyRuns in the name of their suite take long: they are tests of ctest by themselves.
+# Those with SlowRuns have the label slow, and exist only with DN_BUILD_SLOW_TESTS.
 function(dn_register_tests name)
-  add_test(NAME ${name} COMMAND ${name} --gtest_filter=-*ManyRuns*)
-  set_tests_properties(${name} PROPERTIES TIMEOUT 1200 COST 10 ${ARGN})
+  cmake_parse_arguments(A "" "LABEL" "" ${ARGN})
+  add_test(NAME ${name} COMMAND ${name} --gtest_filter=-*ManyRuns*:*SlowRuns*)
+  set_tests_properties(${name} PROPERTIES
+    LABELS ${A_LABEL} TIMEOUT 1200 COST 10 ${A_UNPARSED_ARGUMENTS})
   gtest_discover_tests(${name} NO_PRETTY_VALUES TEST_FILTER *ManyRuns* DISCOVERY_TIMEOUT 120
-    PROPERTIES TIMEOUT 600 ${ARGN})
+    PROPERTIES LABELS ${A_LABEL} TIMEOUT 600 ${A_UNPARSED_ARGUMENTS})
+  if(DN_BUILD_SLOW_TESTS)
+    gtest_discover_tests(${name} NO_PRETTY_VALUES TEST_FILTER *SlowRuns* DISCOVERY_TIMEOUT 120
+      TEST_LIST ${name}_slow PROPERTIES LABELS slow TIMEOUT 900 ${A_UNPARSED_ARGUMENTS})
+  endif()
 endfunction()
 
 #   dn_add_test(<name> SOURCES <files> LINK <targets>
@@ -66,5 +73,5 @@ function(dn_add_test name)
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/slow)
   endif()
-  dn_register_tests(${name} LABELS ${A_LABEL})
+  dn_register_tests(${name} LABEL ${A_LABEL})
 endfunction()

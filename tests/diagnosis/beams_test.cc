@@ -154,7 +154,7 @@ TEST(BeamCorrections, ContainTheEffectsThatTheModelLeavesOut) {
 }
 
 // The squared errors of many flights have the size that the covariances say.
-TEST(BeamsManyRuns, CorrectionsAreWithinTheirSigmas) {
+TEST(BeamsSlowRuns, CorrectionsAreWithinTheirSigmas) {
   constexpr int kFlights = 20;
   double sum[2] = {0.0, 0.0}, boresight = 0.0;
   for (int seed = 1; seed <= kFlights; ++seed) {

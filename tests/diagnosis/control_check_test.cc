@@ -184,7 +184,7 @@ void ExpectConsistentChecks(bool pure) {
   EXPECT_GE(named, kFlights - 1);
 }
 
-TEST(ControlCheckManyRuns, ChecksHaveTheirPredictedVarianceInThePureModel) {
+TEST(ControlCheckSlowRuns, ChecksHaveTheirPredictedVarianceInThePureModel) {
   ExpectConsistentChecks(true);
 }
 

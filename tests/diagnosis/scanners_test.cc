@@ -163,7 +163,7 @@ Relative Separate(const SimulatedFlight& sim) {
 
 // The errors that the scanners share cancel: the joint relative boresight is better than the
 // difference of two calibrations by the ratio of their sigmas.
-TEST(ScannersManyRuns, TheRelativeMountingIsWithinItsSigmas) {
+TEST(ScannersSlowRuns, TheRelativeMountingIsWithinItsSigmas) {
   constexpr int kFlights = 20;
   double nees = 0.0, nees_arm = 0.0, joint2 = 0.0, separate2 = 0.0;
   double joint_variance = 0.0, separate_variance = 0.0;

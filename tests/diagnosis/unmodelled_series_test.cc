@@ -56,11 +56,11 @@ void ExpectHonest(const Series& series) {
   EXPECT_GE(series.calibrated, series.flights - 1);
 }
 
-TEST(UnmodelledSeries, ManyRunsWithAllEffectsAtOnceOnANavigationGradeAircraft) {
+TEST(UnmodelledSlowRuns, WithAllEffectsAtOnceOnANavigationGradeAircraft) {
   ExpectHonest(FlyMany(&testing::AircraftScenario, SensorClass::kNavigation, 25));
 }
 
-TEST(UnmodelledSeries, ManyRunsWithAllEffectsAtOnceOnADrone) {
+TEST(UnmodelledSlowRuns, WithAllEffectsAtOnceOnADrone) {
   ExpectHonest(FlyMany(&testing::DroneScenario, SensorClass::kMems, 25));
 }
 
