@@ -53,8 +53,8 @@ endfunction()
 #               [LABEL <unit|property|golden|example|cli|package|slow>] [INCLUDE <folders>])
 #
 # Adds one GoogleTest program from all sources of a folder with the same label, and its tests
-# (dn_register_tests). With CMAKE_UNITY_BUILD several sources are compiled together; they share the namespace
-# dn::<layer>_test, in which a name has one meaning. INCLUDE: folders of headers that only
+# (dn_register_tests). With CMAKE_UNITY_BUILD several sources are compiled together; they share the
+# namespace dn::<layer>_test, in which a name has one meaning. INCLUDE: folders of headers that only
 # the layer itself and its tests use.
 function(dn_add_test name)
   cmake_parse_arguments(A "" "LABEL" "SOURCES;LINK;INCLUDE" ${ARGN})

@@ -98,13 +98,14 @@ std::string OffsetText(double offset_s) {
   return text + "\n";
 }
 
-/// Returns the number of beams that the pairs of a file name; 0 for a file without beams.
+bool HasBeams(const TextTable& pairs) { return pairs.columns == 10 || pairs.columns == 16; }
+
+/// Returns the number of beams that the pairs of a file with beams name.
 std::size_t CountBeams(const std::filesystem::path& file) {
   double largest = kNoBeam;
   TextTableReader reader(file, {});
   while (reader.Next(10000)) {
     const TextTable& table = reader.table();
-    if (table.columns != 10 && table.columns != 16) return 0;
     for (std::size_t i = 0; i < table.rows(); ++i) {
       const double* row = table.row(i);
       largest = std::max({largest, row[table.columns - 2], row[table.columns - 1]});
@@ -310,10 +311,10 @@ void FlightDraft::SettleSensors() {
 
 void FlightDraft::SettleScanner() {
   if (pairs_.empty()) return;
-  for (const FileContent& file : pairs_) num_beams_ = std::max(num_beams_, CountBeams(file.file));
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
   for (const FileContent& file : pairs_) {
     const TextTable table = ReadTextTable(file.file, {}, '#', 4000);
+    if (HasBeams(table)) num_beams_ = std::max(num_beams_, CountBeams(file.file));
     for (std::size_t i = 0; i < table.rows(); ++i) {
       const Eigen::Map<const Eigen::Vector3d> u(table.row(i) + 2);
       sum += u;
@@ -425,12 +426,13 @@ std::string FlightDraft::LidarText() const {
 
 std::string FlightDraft::BeamsText() const {
   if (num_beams_ == 0) return {};
+  const BeamConfig assumed;
   return fmt::format(
       "  # The pairs name the beams 0 to {} of a rotating scanner. Replace count by angles_deg,\n"
       "  # the vertical angles of the data sheet in this order: they check the numbers.\n"
-      "  beams: {{count: {}, angle_sigma_deg: 0.1, range_offset_sigma_m: 0.03}}   # sigmas "
+      "  beams: {{count: {}, angle_sigma_deg: {:g}, range_offset_sigma_m: {:g}}}   # sigmas "
       "assumed\n",
-      num_beams_ - 1, num_beams_);
+      num_beams_ - 1, num_beams_, kDegPerRad * assumed.angle_sigma_rad, assumed.range_sigma_m);
 }
 
 std::string FlightDraft::TrajectoryText() const {

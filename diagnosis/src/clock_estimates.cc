@@ -6,6 +6,7 @@
 #include <dn/navigation/gnss_lag.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "joint_estimate.h"
@@ -91,22 +92,21 @@ class ClockEstimator {
 
 }  // namespace
 
-std::optional<ClockEstimate> EstimateGnssClock(const FlightNetwork& network,
-                                               const Marginals& marginals, const Library& library,
-                                               const JointScore& score) {
-  if (network.gnss().edges().empty()) return std::nullopt;
-  const ClockEffects effects{EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift,
-                             kLongestLinearGnss_s};
-  return ClockEstimator(network, marginals, library, score, effects).Run();
-}
-
-std::optional<ClockEstimate> EstimateLidarClock(const FlightNetwork& network,
-                                                const Marginals& marginals, const Library& library,
-                                                const JointScore& score) {
-  if (network.pairs().edges().empty()) return std::nullopt;
-  const ClockEffects effects{EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift,
-                             kLongestLinearLidar_s};
-  return ClockEstimator(network, marginals, library, score, effects).Run();
+Clocks EstimateClocks(const FlightNetwork& network, const Marginals& marginals,
+                      const Library& library, const JointScore& score) {
+  const auto estimate = [&](const ClockEffects& effects) {
+    return ClockEstimator(network, marginals, library, score, effects).Run();
+  };
+  Clocks clocks;
+  if (!network.gnss().edges().empty()) {
+    clocks.gnss =
+        estimate({EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, kLongestLinearGnss_s});
+  }
+  if (!network.pairs().edges().empty()) {
+    clocks.lidar =
+        estimate({EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, kLongestLinearLidar_s});
+  }
+  return clocks;
 }
 
 Eigen::VectorXd ShiftByGnssClock(const ClockEstimate& clock, const Library& library,

@@ -6,23 +6,15 @@
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>
-#include <optional>
 
 #include "hypothesis.h"
 
 namespace dn::diagnosis_internal {
 
-/// Returns offset and drift of the GNSS clock, from its unknowns or else, to first order, from the
-/// scores of the library. Returns nullopt without GNSS, if the data do not determine them, or if
-/// the offset is too large for the first order.
-std::optional<ClockEstimate> EstimateGnssClock(const FlightNetwork& network,
-                                               const Marginals& marginals, const Library& library,
-                                               const JointScore& score);
-
-/// Returns those of the lidar clock. Returns nullopt without pairs, and as for GNSS.
-std::optional<ClockEstimate> EstimateLidarClock(const FlightNetwork& network,
-                                                const Marginals& marginals, const Library& library,
-                                                const JointScore& score);
+/// Returns offset and drift of each clock, from its unknowns or else, to first order, from the
+/// scores of the library.
+Clocks EstimateClocks(const FlightNetwork& network, const Marginals& marginals,
+                      const Library& library, const JointScore& score);
 
 /// Returns the shift of the watched unknowns, the first `watched` of the score, by this error of
 /// the GNSS clock.

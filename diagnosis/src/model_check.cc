@@ -45,6 +45,7 @@ constexpr double kControlledRedundancy = 0.1;
 // likeliest size.
 constexpr double kSizeAveragingNats = 2.0;
 constexpr int kScoreDraws = 400;
+
 std::vector<Hypothesis> MakeDiscrepancies(const FlightNetwork& network) {
   if (network.pairs().edges().empty()) return {};
   std::vector<Hypothesis> discrepancies;
@@ -446,12 +447,10 @@ class Checker {
   }
 
   void FindClocks(const JointScore& score) {
-    Clocks& clocks = check_.clocks;
-    clocks.gnss = EstimateGnssClock(network_, marginals_, library_, score);
-    clocks.lidar = EstimateLidarClock(network_, marginals_, library_, score);
+    check_.clocks = EstimateClocks(network_, marginals_, library_, score);
     if (!adjustment_.gnss_clock) return;
     const ClockEstimate& found = *adjustment_.gnss_clock;  // by the INS/GNSS solution
-    clocks.gnss = found;
+    check_.clocks.gnss = found;
     check_.gnss_clock_shift =
         family_.InSigmas(ShiftByGnssClock(found, library_, score, family_.watched_sigma.size()));
     const auto within = [&](EffectId effect, double value, double sigma) {

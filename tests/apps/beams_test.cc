@@ -84,8 +84,9 @@ TEST_F(CliBeams, CheckSaysWhatCalibrateDoesWithThem) {
 TEST_F(CliBeams, InitStatesThem) {
   const fs::path folder = Path("files");
   fs::copy(Path("flight"), folder, fs::copy_options::recursive);
-  for (const char* made : {"flight.yaml", "truth.yaml"}) fs::remove(folder / made);
-  fs::remove_all(folder / "reference.out");
+  for (const char* made : {"flight.yaml", "truth.yaml", "reference.out"}) {
+    fs::remove(folder / made);
+  }
   const ProgramRun run = RunProgram({"init", folder.string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(FileContent(folder / "flight.yaml"),
