@@ -163,9 +163,7 @@ void SummariseGnss(const Flight& flight, Json* json) {
     steps_s.push_back(epochs[i].t_s - epochs[i - 1].t_s);
     longest_s = std::max(longest_s, steps_s.back());
   }
-  const bool velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
-    return UsesVelocity(epoch, *flight.config.gnss);
-  });
+  const bool velocity = UsesVelocities(flight);
   const double span_s = epochs.back().t_s - epochs.front().t_s;
   const double rate_hz = span_s > 0.0 ? static_cast<double>(steps_s.size()) / span_s : 0.0;
   fmt::print(

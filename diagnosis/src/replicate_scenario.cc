@@ -83,9 +83,7 @@ GnssScenario MakeGnss(const Flight& flight) {
   if (!step_s.empty()) gnss.rate_hz = RoundedRate(Median(step_s));
   gnss.sigma_enu_m = diagnosis_internal::MedianGnssSigma(flight);
   gnss.lever_arm_b_m = config.lever_arm_b_m;
-  gnss.velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
-    return UsesVelocity(epoch, config);
-  });
+  gnss.velocity = UsesVelocities(flight);
   gnss.processes = config.processes;
   return gnss;
 }

@@ -208,12 +208,6 @@ ScaledSizes Processes(const std::string& name, const TriadUnits& units, SensorNo
   return scaled;
 }
 
-bool UsesVelocities(const Flight& flight) {
-  return std::ranges::any_of(flight.gnss->epochs, [&](const MapGnssEpoch& epoch) {
-    return UsesVelocity(epoch, *flight.config.gnss);
-  });
-}
-
 /// Returns the sizes of GNSS positions and velocities. The velocities get a scale of their own.
 std::vector<ScaledSizes> GnssSizes(Flight* flight) {
   GnssConfig& config = *flight->config.gnss;

@@ -5,6 +5,7 @@
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -77,6 +78,12 @@ double GnssEpochTime(const CalibrationState& calibration, double tag_s) {
 bool UsesVelocity(const MapGnssEpoch& epoch, const GnssConfig& config) {
   return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
          epoch.velocity_covariance_enu.has_value();
+}
+
+bool UsesVelocities(const Flight& flight) {
+  return std::ranges::any_of(flight.gnss->epochs, [&](const MapGnssEpoch& epoch) {
+    return UsesVelocity(epoch, *flight.config.gnss);
+  });
 }
 
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,

@@ -31,6 +31,8 @@ double TypicalGnssSigma(const Flight& flight);
 /// Returns whether the velocity of an epoch is used: it and its covariance are present, and
 /// gnss.use_velocity does not exclude it.
 bool UsesVelocity(const MapGnssEpoch& epoch, const GnssConfig& config);
+/// Returns whether the velocity of any epoch of a flight with GNSS data is used.
+bool UsesVelocities(const Flight& flight);
 
 /// Returns the time of an epoch with this time tag: the tag minus the delays of the calibration.
 double GnssEpochTime(const CalibrationState& calibration, double tag_s);
