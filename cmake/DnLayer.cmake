@@ -32,8 +32,9 @@ function(dn_add_layer name)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# dn_register_tests(<program> LABEL <label> [properties of its tests...]): the tests of a program run in
-# one process, where they share simulated flights, as one test of ctest with the name of the program.
+# dn_register_tests(<program> LABEL <label> [properties of its tests...]): the tests of a program
+# run in one process, where they share simulated flights. For ctest they are one test with the name
+# of the program.
 # Tests with ManyRuns in the name of their suite take long: they are tests of ctest by themselves.
 # Those with SlowRuns have the label slow, and exist only with DN_BUILD_SLOW_TESTS.
 function(dn_register_tests name)

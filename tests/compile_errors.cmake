@@ -1,5 +1,6 @@
-# The tests of dn_add_compile_errors: the compiler must reject every file of compile_errors/. Its first
-# error must have the text of the file's first line, "// says: ...", and its whole output is short.
+# The tests of dn_add_compile_errors: the compiler must reject every file of compile_errors/. Its
+# first error must have the text of the file's first line, "// says: ...". The whole output must be
+# short.
 # Without their lines marked "// wrong" all files must compile, which shows that these lines are the
 # ones rejected. They compile as one file, to parse the headers once. For the same reason the other
 # compilations use a precompiled header.

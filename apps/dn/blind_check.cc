@@ -11,6 +11,7 @@
 
 #include "blind_flight_run.h"
 #include "command.h"
+#include "config_text.h"
 #include "fleet.h"
 #include "option_checks.h"
 #include "series_records.h"
@@ -28,6 +29,7 @@ struct BlindCheckArguments {
   std::string shard = "1/1";
   std::string only;  ///< word of a BlindContent, or empty for a random content
   double size_factor = 1.0;
+  std::string physics;  ///< file of ParsePhysics, or empty
   bool discard_flights = false;
 };
 
@@ -58,12 +60,21 @@ std::string FirstFailure(const BlindRecord& record) {
   return {};
 }
 
-std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFolder& folder,
-                             const RecordReader<BlindRecord>& reader,
-                             const std::vector<std::uint64_t>& numbers, Run* run) {
+std::string PhysicsText(const BlindCheckArguments& options) {
+  return options.physics.empty() ? std::string() : ReadConfigText(options.physics);
+}
+
+BlindSuite MakeSuite(const BlindCheckArguments& options, const std::string& physics) {
   BlindSuite suite{options.seed, options.scenarios};
   if (!options.only.empty()) suite.only = RecordContent(options.only);
   suite.size_factor = options.size_factor;
+  if (!options.physics.empty()) suite.physics = ParsePhysics(physics, options.physics);
+  return suite;
+}
+
+std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const BlindSuite& suite,
+                             const RecordFolder& folder, const RecordReader<BlindRecord>& reader,
+                             const std::vector<std::uint64_t>& numbers, Run* run) {
   const BlindRunOptions how{options.common.out, ReadGapOptions(options.gap_options),
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
@@ -84,11 +95,14 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
 }
 
 void BlindCheck(const BlindCheckArguments& options, Run& run) {
+  const std::string physics = PhysicsText(options);
+  const BlindSuite suite = MakeSuite(options, physics);
   const Json made_from = {{"seed", options.seed},
                           {"scenarios", ScenariosJson(options.scenarios)},
                           {"gap_options", options.gap_options},
                           {"only", options.only},
                           {"size_factor", options.size_factor},
+                          {"physics", physics},
                           {"version", DN_VERSION},
                           {"program", ProgramHash()}};
   const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
@@ -96,7 +110,7 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
   for (const char* name : {"flights", "truth", "runs"}) ExpectRealFolder(options.common.out / name);
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<BlindRecord> records =
-      Fly(options, folder, BlindRecordReader(made_from), series.Numbers(), &run);
+      Fly(options, suite, folder, BlindRecordReader(made_from), series.Numbers(), &run);
   run.report()["seed"] = options.seed;
   run.report()["series"] = SeriesToJson(series);
   AddBlindCheckResults(made_from, records, &run);
@@ -194,10 +208,11 @@ void AddBlindCheck(CLI::App* program, Action* action) {
       ->check(ShardText())
       ->capture_default_str();
   CLI::Option* only =
-      app->add_option("--only", options->only,
-                      "Content of every flight: no effect, one, two, or one outside the table of "
-                      "effects")
-          ->check(AllowedValues({"nothing", "one", "two", "outsider"}));
+      app->add_option(
+             "--only", options->only,
+             "Content of every flight: no effect, one, two, three, or one outside the table "
+             "of effects")
+          ->check(AllowedValues({"nothing", "one", "two", "three", "outsider"}));
   app->add_flag_callback(
          "--left-out", [options] { options->only = Word(BlindContent::kLeftOut); },
          "Every flight contains one effect, which dn gap must not consider")
@@ -206,6 +221,9 @@ void AddBlindCheck(CLI::App* program, Action* action) {
                   "Factor on the sizes of the effects of the table")
       ->check(PositiveNumber())
       ->capture_default_str();
+  app->add_option("--physics", options->physics,
+                  "YAML file with effects outside the table, used instead of the built-in ones "
+                  "(docs/reference/physics.md)");
   app->add_flag("--discard-flights", options->discard_flights,
                 "Removes each flight folder (about 20 MB) once the flight is recorded");
   AddCommonOptions(app, &options->common, true);
@@ -222,6 +240,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
         std::copy(inputs.files.begin(), inputs.files.end(),
                   std::back_inserter(options->common.inputs.files));
       }
+      if (!options->physics.empty()) options->common.inputs.files.push_back(options->physics);
       options->common.resumable = true;
       return Execute("blind-check", options->common, [&](Run& run) { BlindCheck(*options, run); });
     };

@@ -66,13 +66,10 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
   folder.Commit();
 }
 
-/// Computes the signature of the single effect in a flight. Returns nullopt for no or two effects,
-/// for an effect of another kind than kFixed, and if the computation fails.
+/// Computes the signature of the single effect in a flight. Returns nullopt for no or several
+/// effects, for an effect of another kind than kFixed, and if the computation fails.
 std::optional<BlindSignature> ContentSignature(const BlindFlight& flight) {
-  const BlindContent content = flight.content();
-  if (content == BlindContent::kNothing || content == BlindContent::kTwoEffects) {
-    return std::nullopt;
-  }
+  if (!flight.outsider && flight.scenario.effects.size() != 1) return std::nullopt;
   dn::GapOptions options;
   options.interrupted = [] { return SignalReceived(); };
   for (const Effect& effect : flight.scenario.effects) {

@@ -21,8 +21,9 @@ void AddFleetOptions(CLI::App* app, FleetOptions* options);
 Inputs FleetInputs(const std::vector<std::string>& flights,
                    const std::vector<std::string>& changes);
 
-/// Calibrates each flight in a process of its own into --out/<flight>, unless a result of the same
-/// data and configuration is there, and combines their results. `changes`: --set values for all
+/// Calibrates each flight in a process of its own into --out/<flight>, and combines their results.
+/// A flight with a result of the same data and configuration is not calibrated again. `changes`:
+/// --set values for all
 /// flights.
 void CalibrateFlights(const std::vector<std::string>& flights,
                       const std::vector<std::string>& changes, const FleetOptions& options,

@@ -12,9 +12,9 @@
 #include <exception>
 #include <optional>
 
-#include "beam_ends.h"
 #include "command.h"
 #include "data_hints.h"
+#include "scanner_beams.h"
 #include "shaking_json.h"
 #include "strip_lines.h"
 
@@ -215,8 +215,8 @@ void SummarisePairs(const Flight& flight, Json* json) {
   }
   const std::string geometry = DescribeGeometry(lines, MeanRange(flight.pairs->pairs));
   if (!geometry.empty()) fmt::print("                {}\n", geometry);
-  const std::vector<BeamEnds> beams = CountBeamEnds(flight);
-  for (const BeamEnds& one : beams) fmt::print("                {}\n", Words(one));
+  const std::vector<ScannerBeams> beams = CountScannerBeams(flight);
+  for (const ScannerBeams& one : beams) fmt::print("                {}\n", Words(one));
   (*json)["pairs"] = {{"count", flight.pairs->pairs.size()},
                       {"files", flight.pairs->files.size()},
                       {"strips", list},

@@ -22,8 +22,8 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
 /// Throws InvalidConfig if the flight has no scanner or its points are in an unknown system.
 void ExpectGeoreferenceable(const FlightConfig& config);
 
-/// Throws InvalidInput if the scanner has several beams and a strip begins with points without
-/// laser vectors or beams, so that corrections of the beams could not be applied.
+/// Throws InvalidInput if the corrections of beams could not be applied: the scanner has several
+/// beams, and a strip begins with points without laser vectors or beams.
 void ExpectBeamsInStrips(const FlightConfig& config);
 
 /// Georeferences all strips of a flight, stages strips/ and georef.json, and prints a table. Stages

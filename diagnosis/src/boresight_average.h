@@ -17,8 +17,8 @@ namespace dn::diagnosis_internal {
 void SetBoresights(const Screen& screen, const UnmodelledPrior& prior,
                    const BoresightEstimate& of_fit, ExtendedFit* fit);
 
-/// Returns the boresight over all hypotheses, each with its probability: the named effects, each of
-/// them replaced by a competing hypothesis or absent, and `further` hypotheses besides them.
+/// Returns the boresight over all hypotheses, each with its probability. They are the named
+/// effects, each of them replaced by a competing hypothesis or absent, and `further` hypotheses.
 /// `of_fit` is the boresight with all named effects in the model. The covariance contains that of
 /// each hypothesis and the differences between them. Something outside the library that resembles
 /// an effect may move the boresight in another way; this adds its differing share of the shift.

@@ -32,8 +32,8 @@ void FillCauses(const std::vector<HypothesisEvidence>& screened,
                 const std::vector<CompetingHypotheses>& sets, const std::vector<GapCause>& named,
                 GapDiagnosis* diagnosis);
 
-/// Sets the probabilities of causes, discrepancies and physics outside the library: over all sets
-/// of competing hypotheses, or for a named cause in its own set.
+/// Sets the probabilities of causes, discrepancies and physics outside the library. They are over
+/// all sets of competing hypotheses, or for a named cause in its own set.
 void SetProbabilities(const std::vector<CompetingHypotheses>& sets, GapDiagnosis* diagnosis);
 
 /// Facts that decide the kind of a verdict.

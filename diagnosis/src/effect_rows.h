@@ -8,8 +8,8 @@
 
 namespace dn::diagnosis_internal {
 
-/// Returns L X with the columns L of all effects of the library: one row per component of the score
-/// in X, and one per residual in the result.
+/// Returns L X with the columns L of all effects of the library. X has one row per component of the
+/// score, the result one per residual.
 Eigen::MatrixXd EffectRows(const Library& library, const LinearizedNetwork& linearized,
                            const Eigen::MatrixXd& X);
 

@@ -44,8 +44,8 @@ std::string Alternatives(const std::vector<std::string>& names);
 /// as "below 0". A share below 1 is never rounded to 100 %.
 std::string ClosedWords(const GapShrinkage& shrinkage);
 
-/// Returns why an effect with much evidence is improbable: "-0.3 nats are left with the named
-/// effects" or "120 nats less than laser vectors by strip". Returns "" for all other effects.
+/// Returns why an effect with much evidence is improbable. Examples: "-0.3 nats are left with the
+/// named effects", "120 nats less than laser vectors by strip". Returns "" for all other effects.
 std::string WeakerWords(const GapDiagnosis& diagnosis, const GapCause& cause);
 
 /// Returns the minimal detectable bias: "0.0012 s", or one value per component, "1.2, 3.1, 0.05

@@ -129,7 +129,7 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
   if (!unmodelled.empty()) {
     UnmodelledEffects& effects = out.unmodelled.emplace();
     // The adjustment takes the trajectory as given, so that its residuals are not those of the
-    // estimates: the angles stay, and the covariance has the whole prior.
+    // estimates. The angles stay, and the covariance has the whole prior.
     effects.covariance_rad2 = unmodelled.PriorCovariance();
     effects.contributions = unmodelled.Contributions({0}, false);
     family.watched_sigma =

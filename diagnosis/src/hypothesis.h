@@ -74,8 +74,8 @@ struct Library {
 EffectModel SelectColumns(const Hypothesis& hypothesis, const Library& library);
 
 /// These functions select the part of a joint score that belongs to a hypothesis: scores s,
-/// information, diagonal of L^T L of its columns L, and shift of the watched unknowns per unit of
-/// each component.
+/// information, diagonal of L^T L of its columns L. The last one is the shift of the watched
+/// unknowns per unit of each component.
 Eigen::VectorXd SelectScore(const Hypothesis& hypothesis, const JointScore& score,
                             const Eigen::VectorXd& s);
 Eigen::MatrixXd SelectInformation(const Hypothesis& hypothesis, const JointScore& score);

@@ -48,7 +48,7 @@ class NoiseBeyondModel {
   std::vector<std::string> Channels() const;
 
   /// Returns samples of the errors of a channel beyond those of the stated noise, in sigmas of each
-  /// residual: one row per residual, one column per sample.
+  /// residual. A row is a residual, a column is a sample.
   Eigen::MatrixXd Sample(const std::string& channel, int samples, std::mt19937_64* generator) const;
 
   /// Returns the expected value of a form over its value if the noise is as stated, at least 1.
@@ -87,7 +87,7 @@ class NoiseBeyondModel {
 };
 
 /// Returns the moments of forms of the residuals if the other `channels` have this noise beyond the
-/// stated one; that of a form's own channel is as stated. They are those of 32 samples.
+/// stated one. The noise of the own channel of a form is as stated. They are those of 32 samples.
 std::vector<FormMoments> MomentsWithNoise(const std::vector<ResidualForm>& forms,
                                           const Marginals& marginals, const NoiseBeyondModel& noise,
                                           const std::vector<std::string>& channels);

@@ -59,8 +59,8 @@ bool NoiseRetest::DropExplained(const JointScore& score, ScoreSelection* selecti
   return true;
 }
 
-/// Returns the p-value of a found effect if its columns agree with the errors that the residuals of
-/// its sensor share as well as any can: clusters of pairs, or windows of time, may be few.
+/// Returns the p-value of a found effect if its columns agree as well as possible with the errors
+/// that the residuals of its sensor share. Clusters of pairs, or windows of time, may be few.
 double NoiseRetest::PValueAtSharedNoise(std::size_t found, const ScoreSelection& selection) const {
   const ScoreTest& test = selection.tests[found];
   const EffectSensor sensor = EffectRow(*selection.chosen[found].id).sensor;

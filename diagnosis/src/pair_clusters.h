@@ -8,8 +8,9 @@
 namespace dn::diagnosis_internal {
 
 /// Returns forms that sum the residuals of one axis over the pairs of two strips within a square
-/// tile of the ground: one form per axis and edge length of the tiles, m, all lengths of an axis
-/// together. ResidualForm::channel is that of the axis, for example "lidar p2p up". Empty if a
+/// tile of the ground. There is one form per axis and edge length of the tiles, m, with all lengths
+/// of an axis together. ResidualForm::channel is that of the axis, for example "lidar p2p up".
+/// Empty if a
 /// user's factor replaces all pair factors and gives no points.
 std::vector<ResidualForm> PairClusters(const FlightNetwork& network,
                                        const LinearizedNetwork& linearized,

@@ -36,8 +36,8 @@ const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
   return network.trajectory().gnss_error().back();
 }
 
-/// Returns 1 for the rows of the prior and the steps of a chain, which state the size of its
-/// process, and 0 for all other rows.
+/// Returns 1 for the rows that state the size of a process, and 0 for all other rows. These are the
+/// prior and the steps of a chain.
 Eigen::VectorXd ChainRows(const FlightNetwork& network, const LinearizedNetwork& linearized,
                           const ProcessChain& chain) {
   std::set<BlockId> blocks;

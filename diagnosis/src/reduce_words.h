@@ -6,8 +6,8 @@
 
 namespace dn::diagnosis_internal {
 
-/// Returns what would reduce the uncertainty that an effect outside of the model leaves: a
-/// measurement or a document, whose figure belongs under `unmodelled`, or a line to fly.
+/// Returns what would reduce the uncertainty that an effect outside of the model leaves. It is a
+/// line to fly, or a measurement or document whose figure belongs under `unmodelled`.
 std::string ReduceWords(EffectId effect);
 
 }  // namespace dn::diagnosis_internal

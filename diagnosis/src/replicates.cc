@@ -144,8 +144,9 @@ class Ranking {
     return at_most / (1.0 + n);
   }
 
-  /// Returns a p-value for a flight beyond all replicates, by distributions fitted to them: scaled
-  /// chi-square for the omnibus, Gumbel's for the two maxima, corrected for three tests.
+  /// Returns a p-value for a flight beyond all replicates, by distributions fitted to them. They
+  /// are a scaled chi-square for the omnibus and Gumbel's for the two maxima, corrected for three
+  /// tests.
   double BeyondReplicates(const ResidualSummary& flight) const {
     constexpr double kLeast = 1e-300;
     return std::clamp(3.0 * std::min({ChiSquareBeyond(omnibus_, statistics_.Omnibus(flight)),

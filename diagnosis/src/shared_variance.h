@@ -8,8 +8,8 @@
 namespace dn::diagnosis_internal {
 
 // Measurements share a part of their errors with their neighbours. In units of the stated noise,
-// the error of a row is w + c: w has the variance v, and c has the variance theta v and is the same
-// for all rows of a cluster.
+// the error of a row is w + c. The variance of w is v. The variance of c is theta v, and c is the
+// same for all rows of a cluster.
 
 /// The sums of the residuals of one division of the rows into clusters.
 struct ClusterSums {
@@ -58,7 +58,7 @@ SharedVariance PriorSharedVariance(const std::vector<double>& lengths_m);
 
 /// Returns the posterior mean of a noise variance in stated variances, from a variance ratio with
 /// these degrees of freedom. The prior is an inverse gamma distribution with the mean 1 and the
-/// standard deviation 0.35, as if from 18 redundant measurements: noise of 1.4 times the stated
+/// standard deviation 0.35, as if from 18 redundant measurements. Noise of 1.4 times the stated
 /// sigma is then at two standard deviations.
 double PosteriorNoiseVariance(double variance_ratio, double dof);
 /// Returns the standard deviation of that posterior.

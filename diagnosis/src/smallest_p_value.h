@@ -31,8 +31,8 @@ Eigen::VectorXd SmallestFormPValues(const std::vector<FormMoments>& moments,
 /// Returns the smallest p-value of the score tests of the effects of the table.
 double SmallestEffectPValue(const Library& library, const JointScore& score);
 
-/// Returns the smallest p-value of the score tests of all hypotheses for each of `draws` scores
-/// from the distribution under the model, N(0, score.A), with a fixed seed.
+/// Returns the smallest p-value of the score tests of all hypotheses for each of `draws` scores.
+/// They are from the distribution under the model, N(0, score.A), with a fixed seed.
 Eigen::VectorXd SmallestScorePValues(const Library& library, const JointScore& score, int draws);
 
 }  // namespace dn::diagnosis_internal

@@ -32,8 +32,8 @@ Eigen::LLT<MatrixXd> FactorInPriorUnits(const MatrixXd& A, const VectorXd& sigma
 /// `inverse` is that of I + sigma A sigma.
 JointScore ConditionOnPrior(const JointScore& score, const std::vector<Index>& components,
                             const VectorXd& sigma, const MatrixXd& inverse) {
-  // In units of the prior, with B = (I + A)^-1: A' = B A and s' = B s for the components with a
-  // prior. This form does not cancel, whatever the ratio of information to prior.
+  // In units of the prior, B = (I + A)^-1. Components with a prior then have A' = B A and s' = B s.
+  // This form does not cancel, whatever the ratio of information to prior.
   const MatrixXd A_all = score.A(components, Eigen::all);
   const MatrixXd B = sigma.cwiseInverse().asDiagonal() * inverse * sigma.asDiagonal();
   const MatrixXd P = sigma.asDiagonal() * inverse * sigma.asDiagonal();

@@ -51,8 +51,8 @@ class UnmodelledUnknowns {
   /// component of the score.
   Eigen::VectorXd EstimateBeside(const Eigen::VectorXd& others) const;
 
-  /// Returns the values of all components if those of other effects are the columns of X and these
-  /// unknowns follow them: X - (A + D^-1)^-1 A X. One row per component of the score.
+  /// Returns the values of all components if those of other effects are the columns of X, and these
+  /// unknowns follow them. They are X - (A + D^-1)^-1 A X. One row per component of the score.
   Eigen::MatrixXd Follow(const Eigen::MatrixXd& X) const;
 
   /// Returns the scores of all components in the model with these unknowns. That of a component

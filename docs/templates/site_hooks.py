@@ -1,7 +1,7 @@
 """Hooks of mkdocs: links from docs/ to files of the repository, and checks of the finished site.
 
-A page may link to any file of the repository. The file is copied into the site and the link is
-adapted, so that the same Markdown works in a source browser and in the site. Warnings end a strict
+A page may link to any file of the repository. The file is copied into the site, and the link is
+adapted. The same Markdown then works in a source browser and in the site. Warnings end a strict
 build: broken links and anchors, headers that do not exist, resources from the network.
 """
 import html.parser

@@ -31,8 +31,8 @@ struct Agreement {
 /// that exceeds 1. That scale accounts for the bending of the strips between neighbours. A shift
 /// with more than 3.5 such units in any axis does not agree. Fewer than four shifts all agree.
 ///
-/// The inflation has directions, because the scan lines of parallel strips lock onto each other:
-/// shifts along the track are then less accurate than those across it.
+/// The inflation has directions, because the scan lines of parallel strips lock onto each other.
+/// Shifts along the track are then less accurate than those across it.
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
 }  // namespace dn::matching_internal

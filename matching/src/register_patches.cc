@@ -19,11 +19,11 @@ using Eigen::Vector3d;
 
 // Lengths in ground sampling distances.
 // Standard deviations of a point of one strip about the surface of the other, beyond those of the
-// neighbourhoods: the strips sample different places of it. They bound the weights only, because
+// neighbourhoods. The strips sample different places of it. They bound the weights only, because
 // EstimateScales() finds the size of the differences.
 constexpr double kLeastSigma_gsd = 0.15, kLeastSigmaPlane_gsd = 0.03;
-// The quotient needs a step at which many points have new partners: half of a typical difference,
-// but at least a quarter of the distance between the points.
+// The quotient needs a step at which many points have new partners. It is half of a typical
+// difference, but at least a quarter of the distance between the points.
 constexpr double kQuotientStep = 0.5;  // in typical sigmas of a difference
 constexpr double kLeastStep_gsd = 0.25, kLeastHeightStep_gsd = 0.05, kMostStep_gsd = 2.0;
 constexpr double kLeastSignificance = 2.0;  // of the stiffness in its own sigmas

@@ -24,7 +24,7 @@ struct ShiftTrend {
 ShiftTrend FitTrend(const std::vector<PlacedShift>& shifts);
 
 /// Returns the root mean square of the shifts about their trend, per axis, with the degrees of
-/// freedom of the trend; at least four shifts are needed.
+/// freedom of the trend. At least four shifts are needed.
 Eigen::Vector3d ScatterAbout(const ShiftTrend& trend, const std::vector<PlacedShift>& shifts);
 
 }  // namespace dn::matching_internal

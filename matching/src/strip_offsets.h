@@ -6,7 +6,8 @@
 namespace dn::matching_internal {
 
 /// Returns the shift between two strips (p_i - p_j with the initial alignment, at the centre of the
-/// pairs), its sigma, and the scatter of the pairs about a plane over east and north. Returns null
+/// pairs) and its sigma. Also returns the scatter of the pairs about a plane over east and north.
+/// Returns null
 /// for fewer than four pairs.
 Json OffsetJson(const StripPairMatch& match);
 

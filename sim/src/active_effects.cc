@@ -76,6 +76,12 @@ void AddOwnErrors(const OwnErrors& own, const std::shared_ptr<const TruthTraject
           sample->w_ib_b_radps += error_radps(sample->t_s);
         });
   }
+  if (own.specific_force_mps2) {
+    active->triads.emplace_back(
+        [error_mps2 = own.specific_force_mps2](const ImuSample&, ImuSample* sample) {
+          sample->f_b_mps2 += error_mps2(sample->t_s);
+        });
+  }
   if (own.antenna_enu_m) {
     active->antenna_enu_m.emplace_back(
         [error_enu_m = own.antenna_enu_m](double t_s, double) { return error_enu_m(t_s); });

@@ -14,7 +14,7 @@ Scenario WithBeamErrors(Scenario scenario, std::uint64_t seed);
 /// Returns the true angle of a beam toward +scan_axis from the plane across it, rad.
 double TrueBeamAngle(const BeamScenario& beams, int beam);
 
-/// Returns the laser vector that the scanner reports for a true one in the sensor frame: it has the
+/// Returns the laser vector that the scanner reports for a true one in the sensor frame. It has the
 /// assumed angle of the beam, and the error of its range. For kNoBeam it is the true one.
 Eigen::Vector3d ReportedByBeam(const LidarScenario& lidar, int beam, const Eigen::Vector3d& u_s);
 

@@ -39,7 +39,7 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
                        const ActiveEffects& effects);
 
 /// Simulates `between` correspondences whose first end one scanner measures, and another the
-/// second, in the same way. They are in the overlaps of all strips, also of a strip with itself
+/// second, in the same way. They are in the overlaps of all strips. A strip overlaps with itself
 /// where the two scanners see a point at least half a second apart.
 PairData SimulatePairsBetween(const PairSide& i, const PairSide& j,
                               const std::vector<StripInterval>& strips,

@@ -20,8 +20,8 @@ struct Place {
   TruthState state;
 };
 
-/// Samples the motion as a perfect inertial sensor does: means over the intervals or values at
-/// their ends, after a filter if the scenario has one. The filter's delay is compensated.
+/// Samples the motion as a perfect inertial sensor does. Samples are means over the intervals or
+/// values at their ends, after a filter if the scenario has one. The filter's delay is compensated.
 class SensorSampling {
  public:
   /// The arguments must outlive this object.

@@ -91,8 +91,8 @@ class Part {
   std::map<BlockId, BlockId> in_part_;
 };
 
-/// The factors of a part as linear functions of the neighbours s, after the eliminated blocks e
-/// have their best values e = -(X s + x): residual = A s + b.
+/// The factors of a part as linear functions of the neighbours s: residual = A s + b. The
+/// eliminated blocks e then have their best values e = -(X s + x).
 struct Reduced {
   std::vector<BlockId> neighbours;  // in the part
   std::vector<BlockId> eliminated;
@@ -174,7 +174,8 @@ void MoveBlocks(const std::vector<BlockId>& blocks, const Eigen::VectorXd& step,
 }
 
 /// Returns the norm of the change of the residuals that a linear function does not explain, for a
-/// movement of the neighbours by one sigma of the prior: the largest over its directions. The
+/// movement of the neighbours by one sigma of the prior. It is the largest over all directions of
+/// the movement. The
 /// change grows with the square of the movement. Infinite if a factor is undefined there.
 double Nonlinearity(const Part& part, const Reduced& reduced, const Compressed& prior,
                     int threads) {

@@ -144,6 +144,41 @@ TEST(BlindCheckUsage, AScenarioThatIsNoneIsNamed) {
   EXPECT_THAT(run.err, HasSubstr("'nowhere' is neither a scenario file nor a shipped scenario"));
 }
 
+std::vector<std::string> PhysicsArguments(const fs::path& folder, const std::string& text) {
+  std::ofstream(folder / "physics.yaml") << text;
+  std::vector<std::string> arguments = BlindCheckArguments(folder / "out", "1/1");
+  arguments[2] = "1";
+  for (const std::string more : {"--only", "outsider", "--physics"}) arguments.push_back(more);
+  arguments.push_back(folder / "physics.yaml");
+  return arguments;
+}
+
+TEST(BlindCheckUsage, PhysicsOfAFileAreFlown) {
+  const TempFolder folder;
+  const std::string entry = "{name: mine, adds_to: lidar_range_m, size: 0.1, shape: per_strip}";
+  const ProgramRun run = RunProgram(PhysicsArguments(folder.path(), "physics: [" + entry + "]\n"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(FileContent(folder.path() / "out" / "truth" / "001.yaml"),
+              HasSubstr("outsider: {name: mine, parameters: {"));
+  const Json record = Json::parse(FileContent(folder.path() / "out" / "records" / "000001.json"));
+  EXPECT_EQ(record.at("outsider").at("name"), "mine");
+  EXPECT_FALSE(record.at("signature").is_null());
+  const ProgramRun other = RunProgram(PhysicsArguments(
+      folder.path(), "physics: [{name: mine, adds_to: gnss_m, size: 0.1, shape: walk}]\n"));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("another scenario, version or option"));
+}
+
+TEST(BlindCheckUsage, APhysicsFileThatIsWrongIsRefusedWithItsPlace) {
+  const TempFolder folder;
+  const ProgramRun run = RunProgram(PhysicsArguments(
+      folder.path(), "physics:\n  - {name: a, adds_to: gnss_m, size: 1, shape: wave}\n"));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("physics.yaml:2"));
+  EXPECT_THAT(run.err, HasSubstr("per_strip"));
+  EXPECT_FALSE(fs::exists(folder.path() / "out" / "records"));
+}
+
 /// Returns whether a staging folder lies anywhere below `folder`, or a folder vanishes during the
 /// search.
 bool HoldsStaging(const fs::path& folder) {

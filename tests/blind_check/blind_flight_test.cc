@@ -54,8 +54,9 @@ TEST(BlindFlight, OfASuiteOfEffectsLeftOutHasOne) {
 }
 
 TEST(BlindFlight, OfASuiteOfOneContentHasThat) {
-  for (const BlindContent content : {BlindContent::kNothing, BlindContent::kOneEffect,
-                                     BlindContent::kTwoEffects, BlindContent::kUnlistedEffect}) {
+  for (const BlindContent content :
+       {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
+        BlindContent::kThreeEffects, BlindContent::kUnlistedEffect}) {
     BlindSuite suite = Suite();
     suite.only = content;
     for (int number = 1; number <= 4; ++number) {

@@ -127,9 +127,9 @@ TEST(BlindScore, CountsByContent) {
   EXPECT_EQ(score.one_named.hits, 1);
   EXPECT_EQ(score.one_named_with_group.hits, 2);
   EXPECT_EQ(score.one_named.of, 3);
-  EXPECT_EQ(score.two_named.hits, 0);
-  EXPECT_EQ(score.two_members.hits, 1);
-  EXPECT_EQ(score.two_members.of, 2);
+  EXPECT_EQ(score.two.named.hits, 0);
+  EXPECT_EQ(score.two.members.hits, 1);
+  EXPECT_EQ(score.two.members.of, 2);
   EXPECT_EQ(score.spurious, 1) << "x, in flight 22";
   EXPECT_EQ(score.outsider_detected.hits, 2);
   EXPECT_EQ(score.outsider_rejected.hits, 1);

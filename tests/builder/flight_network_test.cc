@@ -152,7 +152,7 @@ TEST(FlightNetwork, GnssErrorsByBankEnterTheResidualsInTurns) {
 }
 
 // The network neglects the derivative of the bank. A rotation of a milliradian moves a lever arm of
-// a metre by a millimetre, and an error of three centimetres by a tenth of that.
+// a metre by a millimetre. It moves an error of three centimetres by a thirtieth of that.
 TEST(FlightNetwork, GnssErrorsByBankFollowTheTrajectoryAtARebuild) {
   Flight flight = DroneFlight().flight;
   flight.config.gnss->processes = {{{0.03, 0.03, 0.03}, 10.0, GnssErrorGrowth::kBank}};

@@ -91,7 +91,7 @@ TEST(ProcessMixture, TheEvidencePeaksAtTheSizeAndShapeOfASimulatedProcess) {
   }
 }
 
-// The mean of squared errors of a posterior mean over its covariance is exactly one per dimension,
+// Squared errors of a posterior mean over its covariance have a mean of exactly one per dimension,
 // if sizes and shapes are drawn from their priors.
 TEST(ProcessMixture, CovarianceIsThatOfTheErrorsOverManyDraws) {
   Coefficients of;

@@ -47,7 +47,7 @@ Series FlyMany(Scenario (*make)(const std::string&), SensorClass of, int flights
 }
 
 /// Expects the mean of 3 n squares within its 99.9 % band (Wilson and Hilferty), and nearly all
-/// flights calibrated; the pure model is far outside.
+/// flights calibrated. The pure model is far outside.
 void ExpectHonest(const Series& series) {
   const double n = 3.0 * series.flights, k = 2.0 / (9.0 * n);
   EXPECT_LT(series.reported / n, std::pow(1.0 - k + 3.29 * std::sqrt(k), 3));

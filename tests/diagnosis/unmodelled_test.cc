@@ -24,8 +24,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Effects with one column block each, and their joint score for random data: three unknowns x with
-/// J, effects with L, r = J x + L e.
+/// Effects with one column block each, and their joint score for random data. The residuals are r =
+/// J x + L e with three unknowns x.
 struct Toy {
   static constexpr Index kRows = 60;
   Library library;
@@ -296,7 +296,7 @@ TEST(Unmodelled, SigmasOfTheTrajectoryContainThem) {
 }
 
 // An effect that is left out with its prior is, to first order, an unknown of the adjustment with
-// that prior: the biases and the poses at the nodes are the same.
+// that prior. The biases and the poses at the nodes are the same.
 TEST(UnmodelledManyRuns, BiasesAndPosesAreThoseOfAnAdjustmentWithTheEffectAsUnknown) {
   constexpr double kPriorPpm = 100.0;
   SimulatedFlight sim =

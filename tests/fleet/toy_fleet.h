@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Flights with linear observations of the boresight b, of effects of the sensor (scan cone, lever
-/// arm), and of an effect of the day (clock):  y = [J L] [b; e] + noise of variance 1.
+/// Flights with linear observations y = [J L] [b; e] + noise of variance 1. b is the boresight; e
+/// are effects of the sensor (scan cone, lever arm) and an effect of the day (clock).
 class ToyFleet {
  public:
   static constexpr Index kRows = 30, kSensor = 4, kUnknowns = 3 + kSensor + 1;
@@ -87,7 +87,8 @@ class ToyFleet {
   }
 
   /// Returns the joint adjustment of all flights with one boresight, the sensor's effects and a
-  /// clock per flight: mean and covariance of boresight and sensor's effects. With `walk_rad`, the
+  /// clock per flight. The result is the mean and covariance of boresight and sensor's effects.
+  /// With `walk_rad`, the
   /// boresight is that of the last flight.
   std::pair<VectorXd, MatrixXd> AdjustJointly(double walk_rad = 0.0) const {
     const auto count = static_cast<Index>(flights.size());

@@ -197,6 +197,34 @@ def scenario_case(base, rng, number):
                 after=calibrate)
 
 
+PHYSICS = """\
+physics:
+  - {name: ripple, adds_to: lidar_forward_deg, size: 0.01, shape: sine, of: scan_angle_deg, period: [4, 12]}
+  - {name: warming, adds_to: accelerometer_mgal, size: 20, shape: decay, of: time_s, tau: [60, 300]}
+  - name: saw
+    adds_to: boresight_deg
+    size: 0.01
+    shape: linear
+    of: heading_deg
+    over: [0, 360]
+  - {name: late, adds_to: lidar_clock_s, size: 1e-4, shape: walk}
+  - {name: strips, adds_to: lidar_range_m, size: 0.02, shape: per_strip}
+"""
+
+
+def physics_case(base, rng, number):
+    text, label, value, place = varied(PHYSICS, rng, number)
+
+    def prepare(arena):
+        (arena.here / "physics.yaml").write_text(text)
+
+    return Case(f"physics {label}",
+                ["blind-check", "--only", "outsider", "--physics", "physics.yaml", "--flights", "1",
+                 "--gap-options", "screen", "--seed", str(rng.randrange(1000)), "--threads", "1",
+                 "--scenarios", "leg2_rest", "--out", "out"],
+                prepare, PATIENCE, needs_location=place, echoes=value, peak_mb=LONG_FLIGHT_MB)
+
+
 OPTION_VALUES = ["", " ", "nan", "-1", "0", "1e9", "99999999999999999999", "1.5", "x", "--out", "-",
                  "--", "/dev/null",
                  "/dev/full", "/proc/x", ".", "..", "flight", "flight/x", "here/none/none", "out\n",
@@ -248,6 +276,8 @@ def option_case(base, rng, number):
 
 def case(base, rng, number):
     draw = rng.random()
-    if draw < 0.6:
+    if draw < 0.57:
         return flight_case(base, rng, number)
+    if draw < 0.6:
+        return physics_case(base, rng, number)
     return scenario_case(base, rng, number) if draw < 0.85 else option_case(base, rng, number)

@@ -71,6 +71,22 @@ TEST(OwnErrors, GyroErrorsChangeOnlyTheRates) {
   }
 }
 
+TEST(OwnErrors, ForceErrorsChangeOnlyTheSpecificForces) {
+  OwnErrors own;
+  own.specific_force_mps2 = [](double t_s) { return Vector3d(0.0, 0.0, 1e-3 * std::sin(t_s)); };
+  const SimulatedFlight plain = FlyWithErrors({}), spoilt = FlyWithErrors(own);
+  const Difference d = Between(plain, spoilt);
+  EXPECT_EQ(d.gnss, 0.0);
+  EXPECT_EQ(d.pairs, 0.0);
+  for (std::size_t k = 0; k < plain.flight.imu->samples.size(); ++k) {
+    const ImuSample& before = plain.flight.imu->samples[k];
+    const ImuSample& after = spoilt.flight.imu->samples[k];
+    ASSERT_EQ(after.w_ib_b_radps, before.w_ib_b_radps);
+    ASSERT_LT((after.f_b_mps2 - before.f_b_mps2 - own.specific_force_mps2(after.t_s)).norm(),
+              1e-14);
+  }
+}
+
 TEST(OwnErrors, AntennaErrorsChangeOnlyThePositions) {
   OwnErrors own;
   own.antenna_enu_m = [](double) { return Vector3d(0.0, 0.0, 0.25); };

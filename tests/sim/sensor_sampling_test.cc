@@ -85,8 +85,8 @@ TEST(SensorSampling, AFilterRemovesTheAlias) {
   EXPECT_LT(std::abs(ForceAt(filtered, kSeen_hz)), 1.02 * gain * amplitude_mps2);
 }
 
-// The phase is that of the analogue filter without its delay of slow signals: to third order in
-// x = f / cut-off, it is -x^3 / (3 sin(67.5 deg)).
+// The phase is that of the analogue filter without its delay of slow signals. To third order in x =
+// f / cut-off, it is -x^3 / (3 sin(67.5 deg)).
 TEST(SensorSampling, AFilterPassesSlowMotionWithoutDelay) {
   constexpr double kSlow_hz = 8.0, kFilter_hz = 25.0;
   const std::complex<double> open =

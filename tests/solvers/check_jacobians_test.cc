@@ -26,8 +26,8 @@ struct Line final : Factor<Line, 1, Vec<2>> {
   }
 };
 
-/// An angle stored as a number, whose PlusJacobian is wrong by a factor that no check of the kind
-/// has seen, because it depends on the value.
+/// An angle stored as a number, whose PlusJacobian is wrong by a factor. Checks of the kind do not
+/// see the factor, because it depends on the value.
 struct Angle {
   using Value = double;
   static constexpr int kSize = 1, kTangentSize = 1;

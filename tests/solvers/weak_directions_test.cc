@@ -30,9 +30,8 @@ struct Sum : AutoFactor<Sum, 1, Vec<1>, Vec<1>> {
   }
 };
 
-// The sum of a and b has sigma 0.01, each of them sigma 1: N = [10001 10000; 10000 10001]. Scaled
-// to a unit diagonal its eigenvalues are 1 -+ 10000/10001, and the weak direction is the
-// difference.
+// The sum of a and b has sigma 0.01, each of them sigma 1: N = [10001 10000; 10000 10001]. With a
+// unit diagonal its eigenvalues are 1 -+ 10000/10001. The weak direction is the difference.
 TEST(WeakDirections, OfTwoUnknownsWhoseSumIsMeasured) {
   Network net;
   const auto a = net.AddVector<1>("a", OneByOne(0.0)), b = net.AddVector<1>("b", OneByOne(0.0));

@@ -25,8 +25,8 @@ struct Reprojection {
   }
 };
 
-/// Error of a relative pose of a g2o file, with the square root L^T of its information matrix:
-/// translation, then twice the vector part of the quaternion.
+/// Error of a relative pose of a g2o file, with the square root L^T of its information matrix. It
+/// is the translation, then twice the vector part of the quaternion.
 struct RelativePoseError {
   Eigen::Vector3d p;
   Eigen::Quaterniond q;

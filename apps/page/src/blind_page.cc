@@ -136,6 +136,8 @@ Document BlindPage(const ResultFolder& folder) {
       ShareRow("no effect: an effect is named", score["nothing"]["false_names"]),
       ShareRow("two effects: detected", score["two_effects"]["detected"]),
       ShareRow("two effects: both named", score["two_effects"]["named"]),
+      ShareRow("three effects: detected", score["three_effects"]["detected"]),
+      ShareRow("three effects: all named", score["three_effects"]["named"]),
       ShareRow("effects outside the library: detected", score["outsider"]["detected"]),
       ShareRow("of these, called unknown", score["outsider"]["rejected_of_detected"]),
       ShareRow("sizes within their 95 % interval: fixed effects", score["coverage_95"]["fixed"]),

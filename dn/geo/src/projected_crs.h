@@ -13,9 +13,9 @@ namespace dn::geo_internal {
 class ProjectedCrs {
  public:
   /// `definition` is a code ("EPSG:2056", "EPSG:25832+7837") or well-known text (WKT 1, WKT 2,
-  /// ESRI). Throws InvalidConfig if PROJ does not know it, if it has no transformation to WGS84
-  /// that is better than a guess, if a better one needs a grid that is not installed (the message
-  /// names it), or if it is not a projected system.
+  /// ESRI). Throws InvalidConfig if PROJ does not know it, or if it is not a projected system. Also
+  /// throws if it has no transformation to WGS84 that is better than a guess, or if a better one
+  /// needs a grid that is not installed (the message names it).
   explicit ProjectedCrs(std::string definition);
 
   /// Returns WGS84 coordinates of a point, and back; nullopt outside of the system. A point has

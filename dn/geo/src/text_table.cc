@@ -27,8 +27,8 @@ std::string Quoted(std::string_view text) {
   return quoted + (text.size() > kMaxShown ? "...'" : "'");
 }
 
-/// Returns whether a text is one of the words that programs print for infinity and not-a-number:
-/// "NaN", "-1.#IND", "1.#QNAN00", "nan(ind)", "inf", "N/A", "null" and the like.
+/// Returns whether a text is one of the words that programs print for infinity and not-a-number.
+/// Examples are "NaN", "-1.#IND", "1.#QNAN00", "nan(ind)", "inf", "N/A" and "null".
 bool IsNotFiniteWord(std::string_view text) {
   std::string word;
   for (const char c : text) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

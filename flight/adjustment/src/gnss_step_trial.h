@@ -6,8 +6,8 @@
 namespace dn::adjustment_internal {
 
 /// Returns whether a step of the GNSS clock, found to first order, is the cause of a misfit. The
-/// tags are corrected from the step on, and the INS/GNSS network of these tags is solved, several
-/// times if a part of the step is left. The squared residuals must fall by half of their excess,
+/// tags are corrected from the step on, and the INS/GNSS network of these tags is solved. This is
+/// repeated if a part of the step is left. The squared residuals must fall by half of their excess,
 /// and by half of what the test of the step predicts.
 bool StepExplains(AdjustmentRun& run, const GnssMisfit& misfit);
 

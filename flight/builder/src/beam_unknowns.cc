@@ -1,8 +1,8 @@
 #include <dn/builder/beam_unknowns.h>
 #include <dn/error.h>
 #include <dn/files/scanners.h>
+#include <dn/lidar/beam_ends.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,29 +19,19 @@ constexpr double kMeanOverSigma = 1e-3;
 
 /// Returns the number of ends of pairs of each beam of a scanner.
 std::vector<long> CountEnds(const Flight& flight, std::size_t scanner, std::size_t beams) {
-  std::vector<long> ends(beams, 0);
-  const auto add = [&](int of_scanner, int beam) {
-    if (of_scanner != static_cast<int>(scanner) || beam == kNoBeam) return;
-    if (beam < 0 || static_cast<std::size_t>(beam) >= beams) {
-      throw InvalidInput("a pair has beam " + std::to_string(beam) + ", but its scanner has " +
-                         std::to_string(beams) + " beams, numbered from 0");
-    }
-    ++ends[static_cast<std::size_t>(beam)];
-  };
-  if (!flight.pairs) return ends;
-  for (const LidarPair& pair : flight.pairs->pairs) {
-    add(pair.scanner_i, pair.beam_i);
-    add(pair.scanner_j, pair.beam_j);
+  if (!flight.pairs) return std::vector<long>(beams, 0);
+  const BeamEnds ends = CountBeamEnds(flight.pairs->pairs, scanner, beams);
+  if (ends.of_beam.size() > beams) {
+    throw InvalidInput("a pair has beam " + std::to_string(ends.of_beam.size() - 1) +
+                       ", but its scanner has " + std::to_string(beams) +
+                       " beams, numbered from 0");
   }
-  return ends;
+  return ends.of_beam;
 }
 
 }  // namespace
 
-std::size_t BeamUnknown::NumMeasured() const {
-  return static_cast<std::size_t>(
-      std::count_if(ends.begin(), ends.end(), [](long count) { return count > 0; }));
-}
+std::size_t BeamUnknown::NumMeasured() const { return NumMeasuredBeams(ends); }
 
 double BeamUnknown::PriorSigma(std::size_t k) const {
   if (ends[k] == 0) return sigma;
@@ -55,7 +45,7 @@ std::vector<BeamUnknown> FindBeamUnknowns(const Flight& flight) {
     const std::optional<BeamConfig>& beams = ScannerAt(flight.config, k).beams;
     if (!beams) continue;
     const std::vector<long> ends = CountEnds(flight, k, beams->count);
-    if (std::all_of(ends.begin(), ends.end(), [](long count) { return count == 0; })) continue;
+    if (NumMeasuredBeams(ends) == 0) continue;
     const auto add = [&](Kind kind, const char* name, double sigma) {
       if (sigma == 0.0) return;
       unknowns.push_back({kind, k, ScannerName(flight.config, name, k), sigma, ends});

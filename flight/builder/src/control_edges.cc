@@ -24,8 +24,8 @@ std::optional<Eigen::Vector3d> Normal(const ControlPoint& point, const ControlRe
   return one.normal_m;
 }
 
-/// Returns the directions in which the returns determine a point: the normal of a plane, the
-/// vertical if all returns are on surfaces, else all three.
+/// Returns the directions in which the returns determine a point. For a plane it is the normal; for
+/// a point it is the vertical if all returns are on surfaces, else all three.
 Directions DeterminedDirections(const LocalFrame& frame, const ControlPoint& point) {
   if (point.plane) return point.plane->normal_m;
   const bool surfaces = std::all_of(point.returns.begin(), point.returns.end(),

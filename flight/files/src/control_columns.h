@@ -38,7 +38,8 @@ class ControlColumns {
  public:
   /// Returns the columns that a line names. Returns nullopt if the line is not a header: one of its
   /// words names none of the columns. Throws InvalidInput for a header that names a column twice,
-  /// lacks the name or a coordinate, or has only a part of a group such as t, ux, uy, uz.
+  /// or lacks the name or a coordinate. Also throws if it has only a part of a group such as t, ux,
+  /// uy, uz.
   static std::optional<ControlColumns> FromHeader(const std::vector<std::string_view>& words,
                                                   const FileLocation& where);
 

@@ -224,8 +224,8 @@ bool IsRtklibHeader(std::string_view line) {
                    line.find("e-baseline(") != line.npos);
 }
 
-/// Returns whether a line is a complete row of an RTKLIB solution: a calendar date or a GPS week,
-/// and a quality from 1 to 7.
+/// Returns whether a line is a complete row of an RTKLIB solution. It begins with a calendar date
+/// or a GPS week, and has a quality from 1 to 7.
 bool IsRtklibRow(std::string_view line) {
   const std::vector<std::string_view> fields = SplitFields(line);
   if (fields.size() != 15 && fields.size() != 24) return false;

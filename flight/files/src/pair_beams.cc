@@ -4,6 +4,7 @@
 #include <dn/files/scanners.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
+#include <dn/lidar/beam_ends.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,12 +28,12 @@ class ScannerBeams {
         sums_(beams_.count) {}
 
   void Check(const PairData& data) {
-    bool measured = false;
+    const BeamEnds ends = CountBeamEnds(data.pairs, scanner_, beams_.count);
+    if (ends.any() && NumMeasuredBeams(ends.of_beam) == 0) FailWithoutBeams();
     for (const LidarPair& pair : data.pairs) {
-      measured = Add(data, pair, pair.scanner_i, pair.beam_i, pair.u_i_s) || measured;
-      measured = Add(data, pair, pair.scanner_j, pair.beam_j, pair.u_j_s) || measured;
+      Add(data, pair, pair.scanner_i, pair.beam_i, pair.u_i_s);
+      Add(data, pair, pair.scanner_j, pair.beam_j, pair.u_j_s);
     }
-    if (measured && ends_with_beam_ == 0) FailWithoutBeams();
     for (std::size_t k = 0; k < beams_.angles_rad.size(); ++k) CheckAngle(k);
   }
 
@@ -42,11 +43,10 @@ class ScannerBeams {
     double ends = 0.0;
   };
 
-  /// Adds an end; returns whether this scanner measured it.
-  bool Add(const PairData& data, const LidarPair& pair, int scanner, int beam,
+  /// Adds an end if this scanner measured it with a known beam.
+  void Add(const PairData& data, const LidarPair& pair, int scanner, int beam,
            const Eigen::Vector3d& u_s) {
-    if (scanner != static_cast<int>(scanner_)) return false;
-    if (beam == kNoBeam) return true;
+    if (scanner != static_cast<int>(scanner_) || beam == kNoBeam) return;
     if (beam >= static_cast<int>(beams_.count)) {
       throw InvalidInput("beam " + std::to_string(beam) + " does not exist: " + Key() + " has " +
                              std::to_string(beams_.count) + " beams, numbered from 0",
@@ -56,8 +56,6 @@ class ScannerBeams {
     sum.angle_rad +=
         std::asin(std::clamp(u_s.normalized().dot(lidar_.scan_axis_s.normalized()), -1.0, 1.0));
     sum.ends += 1.0;
-    ++ends_with_beam_;
-    return true;
   }
 
   void CheckAngle(std::size_t k) const {
@@ -94,7 +92,6 @@ class ScannerBeams {
   const LidarConfig& lidar_;
   const BeamConfig& beams_;
   std::vector<Sum> sums_;
-  long ends_with_beam_ = 0;
 };
 
 }  // namespace

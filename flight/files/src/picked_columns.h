@@ -32,8 +32,9 @@ struct NamedColumn {
   std::size_t at;
 };
 
-/// Finds the time by the names of the columns (stamps of sensors before other times), else takes
-/// the first column, or the one next to a column of GPS weeks. The unit follows from the name, else
+/// Finds the time by the names of the columns (stamps of sensors before other times). Without names
+/// it takes the first column, or the one next to a column of GPS weeks. The unit follows from the
+/// name, else
 /// from the size of the steps. Returns nullopt if the time does not increase, or has no plausible
 /// step in any unit.
 std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps);

@@ -28,8 +28,9 @@ class StripClock {
   void ExpectAgreement(double declared_s, const FileLocation& where) const;
 
  private:
-  /// Returns the offset of the time tags, s (tag = t + offset), if the points lie along the course
-  /// before or behind the trajectory by more than a boresight or a scanner explains.
+  /// Returns the offset of the time tags, s (tag = t + offset). There is one if the points lie
+  /// along the course before or behind the trajectory by more than a boresight or a scanner
+  /// explains.
   std::optional<double> Offset() const;
 
   bool has_vectors_;

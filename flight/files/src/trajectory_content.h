@@ -20,8 +20,9 @@ std::optional<std::string> FindCoordinateSystem(const TextTable& table);
 /// or north-east-down without motion. The body is FLU if its z axis points up.
 std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table);
 
-/// Returns the share of the moving rows whose heading is near the course, for the better convention
-/// of the columns of FindTrajectoryColumns and an upright body. Returns nullopt if too few rows
+/// Returns the share of the moving rows whose heading is near the course. It is that of the better
+/// convention of the columns of FindTrajectoryColumns, for an upright body. Returns nullopt if too
+/// few rows
 /// move.
 std::optional<double> CourseAgreement(const TextTable& table);
 

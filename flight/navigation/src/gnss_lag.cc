@@ -39,8 +39,8 @@ constexpr double kIndependentShare = 0.5;
 constexpr double kLeastCovered = 0.5;
 // A lag explains the motion only if the variance of the residuals falls by this factor at least.
 constexpr double kLeastImprovement = 1.5;
-// Misfit at lag 0, in sigmas of the positions, with which no other lag is searched; the misfit of a
-// perfect fit is the root of 2, see Comparison::Variance.
+// Misfit at lag 0, in sigmas of the positions, below which no other lag is searched. The misfit of
+// a perfect fit is the root of 2, see Comparison::Variance.
 constexpr double kGoodFit = 1.6;
 // Misfit of a lag, in the same unit, that leaves doubt whether the files belong to one flight.
 constexpr double kBadFit = 5.0;

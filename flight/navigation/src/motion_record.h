@@ -7,8 +7,8 @@
 
 namespace dn::navigation_internal {
 
-/// Motion of the body by its inertial data alone: without gravitation, biases and initial values,
-/// in the inertial frame r that coincides with the body at the first sample.
+/// Motion of the body by its inertial data alone, without gravitation, biases and initial values.
+/// It is in the inertial frame r that coincides with the body at the first sample.
 class MotionRecord {
  public:
   explicit MotionRecord(const ImuData& imu);

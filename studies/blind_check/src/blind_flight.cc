@@ -53,13 +53,39 @@ std::vector<Effect> DrawEffects(std::size_t count, double size_factor, const Fli
   return drawn;
 }
 
+UnlistedEffect DrawOutsider(const BlindSuite& suite, const FlightTimes& times, Random& random) {
+  if (!suite.physics.empty()) {
+    return DrawDescribedPhysics(suite.physics[DrawIndex(suite.physics.size(), random)], times,
+                                random);
+  }
+  const std::vector<std::string> names = UnlistedEffectNames();
+  return DrawUnlistedEffect(names[DrawIndex(names.size(), random)], times, random);
+}
+
 }  // namespace
+
+std::size_t EffectCount(BlindContent content) {
+  switch (content) {
+    case BlindContent::kNothing:
+    case BlindContent::kUnlistedEffect:
+      return 0;
+    case BlindContent::kOneEffect:
+    case BlindContent::kLeftOut:
+      return 1;
+    case BlindContent::kTwoEffects:
+      return 2;
+    case BlindContent::kThreeEffects:
+      return 3;
+  }
+  return 0;
+}
 
 BlindContent BlindFlight::content() const {
   if (left_out) return BlindContent::kLeftOut;
   if (outsider) return BlindContent::kUnlistedEffect;
-  if (scenario.effects.empty()) return BlindContent::kNothing;
-  return scenario.effects.size() == 1 ? BlindContent::kOneEffect : BlindContent::kTwoEffects;
+  constexpr BlindContent kByCount[] = {BlindContent::kNothing, BlindContent::kOneEffect,
+                                       BlindContent::kTwoEffects, BlindContent::kThreeEffects};
+  return kByCount[std::min<std::size_t>(scenario.effects.size(), 3)];
 }
 
 std::vector<std::string> BlindScenarioNames() {
@@ -85,21 +111,11 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
   const FlightTimes times = PlannedTimes(flight.scenario, flight.seed);
   const BlindContent content = suite.only ? *suite.only : DrawContent(random);
   flight.left_out = content == BlindContent::kLeftOut;
-  switch (content) {
-    case BlindContent::kNothing:
-      break;
-    case BlindContent::kOneEffect:
-    case BlindContent::kLeftOut:
-      flight.scenario.effects = DrawEffects(1, suite.size_factor, times, random);
-      break;
-    case BlindContent::kTwoEffects:
-      flight.scenario.effects = DrawEffects(2, suite.size_factor, times, random);
-      break;
-    case BlindContent::kUnlistedEffect: {
-      const std::vector<std::string> names = UnlistedEffectNames();
-      flight.outsider = DrawUnlistedEffect(names[DrawIndex(names.size(), random)], times, random);
-      break;
-    }
+  if (content == BlindContent::kUnlistedEffect) {
+    flight.outsider = DrawOutsider(suite, times, random);
+  } else {
+    const std::size_t count = EffectCount(content);
+    flight.scenario.effects = DrawEffects(count, suite.size_factor, times, random);
   }
   return flight;
 }

@@ -94,6 +94,8 @@ const char* Word(BlindContent content) {
       return "one";
     case BlindContent::kTwoEffects:
       return "two";
+    case BlindContent::kThreeEffects:
+      return "three";
     case BlindContent::kLeftOut:
       return "left out";
     case BlindContent::kUnlistedEffect:
@@ -105,7 +107,7 @@ const char* Word(BlindContent content) {
 BlindContent RecordContent(const std::string& word) {
   for (const BlindContent content :
        {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
-        BlindContent::kUnlistedEffect, BlindContent::kLeftOut}) {
+        BlindContent::kThreeEffects, BlindContent::kUnlistedEffect, BlindContent::kLeftOut}) {
     if (word == Word(content)) return content;
   }
   throw InvalidInput("unknown content of a flight '" + word + "'");

@@ -131,18 +131,8 @@ Outcome<T> OutcomeFromJson(const JsonPlace& json) {
 // Returns whether the effects of a record agree with its `content`, because the score relies on
 // `content`.
 bool FitsContent(const BlindRecord& record) {
-  switch (record.content) {
-    case BlindContent::kNothing:
-      return record.effects.empty();
-    case BlindContent::kOneEffect:
-    case BlindContent::kLeftOut:
-      return record.effects.size() == 1;
-    case BlindContent::kTwoEffects:
-      return record.effects.size() == 2;
-    case BlindContent::kUnlistedEffect:
-      return record.outsider.has_value();
-  }
-  return false;
+  if (record.content == BlindContent::kUnlistedEffect) return record.outsider.has_value();
+  return record.effects.size() == EffectCount(record.content);
 }
 
 }  // namespace

@@ -121,13 +121,11 @@ void ScoreOne(const BlindRecord& record, BlindScore* score, Samples* samples) {
   if (diagnosis.detected) samples->truth_posterior.push_back(cause ? cause->posterior : 0.0);
 }
 
-void ScoreTwo(const BlindRecord& record, BlindScore* score) {
+void ScoreSeveral(const BlindRecord& record, SeveralScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
-  score->two_detected.Count(diagnosis.detected);
-  score->two_named.Count(NamedStrictly(record));
-  score->two_named_with_group.Count(NamedWithGroup(record));
+  Count(diagnosis.detected, NamedStrictly(record), NamedWithGroup(record), score);
   for (const Effect& effect : record.effects) {
-    score->two_members.Count(HasName(diagnosis.effects, effect.name));
+    score->members.Count(HasName(diagnosis.effects, effect.name));
   }
 }
 
@@ -217,7 +215,10 @@ void ScoreDiagnosis(const BlindRecord& record, BlindScore* score, Samples* sampl
       ScoreOne(record, score, samples);
       break;
     case BlindContent::kTwoEffects:
-      ScoreTwo(record, score);
+      ScoreSeveral(record, &score->two);
+      break;
+    case BlindContent::kThreeEffects:
+      ScoreSeveral(record, &score->three);
       break;
     case BlindContent::kUnlistedEffect:
       ScoreUnlistedEffect(record.outsider->name, record, score);

@@ -111,6 +111,13 @@ Json ToJson(const std::array<ReliabilityBin, 10>& bins) {
   return rows;
 }
 
+Json ToJson(const SeveralScore& score) {
+  return {{"detected", ToJson(score.detected)},
+          {"named", ToJson(score.named)},
+          {"named_with_group", ToJson(score.named_with_group)},
+          {"members", ToJson(score.members)}};
+}
+
 }  // namespace
 
 Json ToJson(const BlindScore& s) {
@@ -129,11 +136,8 @@ Json ToJson(const BlindScore& s) {
             {"named", ToJson(s.one_named)},
             {"named_with_group", ToJson(s.one_named_with_group)},
             {"posterior_of_the_truth", ToJson(s.truth_posterior)}}},
-          {"two_effects",
-           {{"detected", ToJson(s.two_detected)},
-            {"named", ToJson(s.two_named)},
-            {"named_with_group", ToJson(s.two_named_with_group)},
-            {"members", ToJson(s.two_members)}}},
+          {"two_effects", ToJson(s.two)},
+          {"three_effects", ToJson(s.three)},
           {"spurious_names", s.spurious},
           {"outsider",
            {{"detected", ToJson(s.outsider_detected)},

@@ -131,6 +131,12 @@ std::string ReliabilityLines(const BlindScore& s) {
   return text;
 }
 
+std::string SeveralLines(const std::string& heading, const SeveralScore& score) {
+  return heading + Line("detected", score.detected) + Line("all named, no other", score.named) +
+         Line("all named, or in the credible set", score.named_with_group) +
+         Line("each effect", score.members);
+}
+
 }  // namespace
 
 std::string FormatTable(const BlindScore& s) {
@@ -150,11 +156,8 @@ std::string FormatTable(const BlindScore& s) {
   text += Line("named alone", s.one_named);
   text += Line("named, or in the credible set of a group", s.one_named_with_group);
   text += Line("posterior of the effect, if detected", s.truth_posterior);
-  text += "flights with two effects\n";
-  text += Line("detected", s.two_detected);
-  text += Line("both named alone", s.two_named);
-  text += Line("both named, or in the credible set", s.two_named_with_group);
-  text += Line("each effect", s.two_members);
+  text += SeveralLines("flights with two effects\n", s.two);
+  if (s.three.detected.of > 0) text += SeveralLines("flights with three effects\n", s.three);
   text += fmt::format("named effects that are absent, in flights with effects: {}\n", s.spurious);
   text += "flights with an effect that the diagnosis does not have\n";
   text += Line("detected", s.outsider_detected);

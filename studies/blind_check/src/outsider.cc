@@ -1,4 +1,4 @@
-#include <dn/blind_check/outsider.h>
+#include <dn/blind_check/described_physics.h>
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/report/json_numbers.h>
@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "scan_angle.h"
 
 namespace dn {
 namespace {
@@ -32,15 +34,13 @@ Json DrawScanTorsion(const FlightTimes&, Random& random) {
 }
 
 OwnErrors ScanTorsion(const Json& p, const Scenario& scenario) {
-  const Vector3d axis_s = scenario.lidar.scan_axis_s.normalized();
-  const Vector3d nadir_s = scenario.lidar.nadir_axis_s.normalized();
+  const ScanAxes axes(scenario);
   const double amplitude_rad = kRadPerDeg * p.at("amplitude_deg").get<double>();
   const double harmonic = p.at("harmonic"), phase_rad = p.at("phase_rad");
   OwnErrors own;
   own.laser_vector = [=](const Vector3d& u_s, double) {
-    const double angle = std::atan2(u_s.dot(axis_s.cross(nadir_s)), u_s.dot(nadir_s));
-    const double forward_rad = amplitude_rad * std::sin(harmonic * angle + phase_rad);
-    return Vector3d(u_s + u_s.norm() * forward_rad * axis_s);
+    const double forward_rad = amplitude_rad * std::sin(harmonic * axes.Angle(u_s) + phase_rad);
+    return Vector3d(u_s + u_s.norm() * forward_rad * axes.axis_s);
   };
   return own;
 }
@@ -233,6 +233,7 @@ UnlistedEffect DrawUnlistedEffect(const std::string& name, const FlightTimes& ti
 }
 
 OwnErrors MakeOwnErrors(const UnlistedEffect& outsider, const Scenario& scenario) {
+  if (IsDescribed(outsider.parameters)) return MakeDescribedErrors(outsider.parameters, scenario);
   return Find(outsider.name).make(outsider.parameters, scenario);
 }
 

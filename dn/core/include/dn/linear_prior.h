@@ -18,8 +18,8 @@ class LinearPrior final : public DynamicFactor {
   /// `center` has the stored numbers of all blocks one after the other; R has one column per
   /// tangent coordinate of all blocks. Throws InvalidInput if a size does not fit, or for a number
   /// that is not finite. `nonlinearity` is that of the factors that the prior replaces. It is the
-  /// change of its residual that R does not explain, for a movement of one sigma, and grows with
-  /// the square of the movement.
+  /// change of its residual that R does not explain, for a movement of one sigma. It grows with the
+  /// square of the movement.
   LinearPrior(std::vector<BlockKind> kinds, Eigen::VectorXd center, Eigen::MatrixXd R,
               Eigen::VectorXd d, double nonlinearity = 0.0);
 

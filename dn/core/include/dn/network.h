@@ -298,8 +298,9 @@ class Network {
   ///   net.Add([=](const auto& p) { return (p - station).norm() - distance; },
   ///           dn::Noise<1>::Sigma(0.02), antenna);
   ///
-  /// `function` takes one `const auto&` per block. This is a vector or quaternion (Eigen map) of T,
-  /// a T for a Scalar, a Transform<T> for a Pose, or the View of a user's own kind. T is double or
+  /// `function` takes one `const auto&` per block. It is a vector or quaternion (Eigen map) of T.
+  /// For a Scalar it is a T, for a Pose a Transform<T>, for a user's own kind its View. T is double
+  /// or
   /// ceres::Jet. The function returns R residuals: a T, an Eigen vector of fixed size (end an
   /// expression with .eval()), or a std::optional of one of these. An empty optional means that the
   /// model is undefined. Other shapes do not compile.

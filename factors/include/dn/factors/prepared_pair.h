@@ -50,8 +50,8 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
 namespace factors_internal {
 
 /// These functions throw InvalidInput, beginning with `what`. They do so for a laser vector that is
-/// zero, for one or a nominal position that is not finite, and for a mounting matrix that is not a
-/// rotation (1e-6).
+/// zero or not finite, and for a nominal position that is not finite. They also do so for a
+/// mounting matrix that is not a rotation (1e-6).
 void CheckEnd(const char* what, const LidarEnd& end);
 void CheckMounting(const char* what, const Eigen::Matrix3d& R_bs);
 

@@ -82,8 +82,8 @@ class ScanCone final : public LidarEffect {
 };
 
 /// The beam leaves the scan plane toward the scan axis by value sin(4 a) at the scan angle a. The
-/// file has the beam in the plane. A sine of a itself is a boresight yaw, and sines of 2 a and 3 a
-/// resemble it over the field of view of a scanner.
+/// file has the beam in the plane. A sine of the angle a itself is a boresight yaw. Sines of 2 a
+/// and 3 a resemble it over the field of view of a scanner.
 class ScanTorsion final : public LidarEffect {
  public:
   explicit ScanTorsion(const LidarConfig& lidar) : scan_(lidar) {}

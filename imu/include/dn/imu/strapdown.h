@@ -12,9 +12,9 @@ namespace dn {
 /// Effect of the Earth's rotation over one interval, for the rotating-Earth form of the inertial
 /// factor.
 ///
-/// The map frame m rotates with the constant rate w = w_ie_m. Take the inertial axes that coincide
-/// with m at the beginning t_i of the interval, and rho = r0 + p (from the centre of the Earth, m
-/// axes). The motion to t_j = t_i + dt is
+/// The map frame m rotates with the constant rate w = w_ie_m. The inertial axes coincide with m at
+/// the beginning t_i of the interval. rho = r0 + p is the position from the centre of the Earth in
+/// m axes. The motion to t_j = t_i + dt is
 ///
 ///   R_i dR = C R_j
 ///   R_i dv = C (v_j + w x rho_j) - (v_i + w x rho_i)                   - dt/2 (G_i + C G_j)

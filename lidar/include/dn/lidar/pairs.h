@@ -49,7 +49,7 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 
 /// Reads the pair files that match the glob patterns (relative to `folder`), sorted by name. The
 /// columns are t_i, t_j, u_i (3) and u_j (3). The upper triangle of the covariance (6) and the
-/// beams of the two ends (2) are optional; the number of columns tells which of them there are.
+/// beams of the two ends (2) are optional. The number of columns tells which of them there are.
 /// Vectors count as measured unless a comment line of the file states otherwise (FormatOriginLine).
 ///
 /// A pair with the epochs and vectors of an earlier pair is not a second measurement: it is dropped
@@ -58,8 +58,9 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// time_offset_s: known error of the epochs (tag = t + time_offset_s), subtracted first.
 ///
 /// Throws InvalidInput with file:line if a time is not a second of week, or a covariance is not
-/// positive definite. Also throws if a beam is not an integer from -1 (several beams) to 1023, or a
-/// vector is shorter than 1 mm or longer than 50 km. The same holds if a pattern matches no file,
+/// positive definite. Also throws if a beam is not an integer from -1 (several beams) to 1023. Also
+/// throws if a vector is shorter than 1 mm or longer than 50 km. The same holds if a pattern
+/// matches no file,
 /// and without pairs.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns,
                    double time_offset_s = 0.0);

@@ -26,7 +26,7 @@ Eigen::Vector2d CellCentre(std::uint64_t key, double cell_m);
 
 /// Collects the points of a strip in cells and fits planes to them. Strips can then be compared on
 /// surfaces as in the Lidar Base Specification of USGS. The points of a cell of flat ground spread
-/// in both directions, and lie on a plane with a slope below 10 deg, with an rms below 0.1 m.
+/// in both directions. They lie on a plane with a slope below 10 deg, with an rms below 0.1 m.
 /// Memory: some 80 bytes per cell, independent of the number of points.
 class StripSurface {
  public:

@@ -14,6 +14,8 @@ namespace dn {
 struct OwnErrors {
   /// Error added to the angular rate of the inertial sample at this time, body axes, rad/s.
   std::function<Eigen::Vector3d(double t_s)> gyro_radps = {};
+  /// Error added to the specific force of the inertial sample at this time, body axes, m/s^2.
+  std::function<Eigen::Vector3d(double t_s)> specific_force_mps2 = {};
   /// Error added to the antenna position, east, north, up, m.
   std::function<Eigen::Vector3d(double t_s)> antenna_enu_m = {};
   /// Error added to the rotation vector of the boresight at a pose of the flight, rad.

@@ -40,7 +40,7 @@ std::optional<SurfaceFit> FitSurface(const std::vector<NearReturn>& returns,
 bool NeedsControlSearch(const Flight& flight);
 
 /// Finds returns for the control points that have none, one per strip file that passes a point. The
-/// return is the surface of the cloud at the point, fitted to the points of the cloud within
+/// return is the surface of the cloud at the point. It is fitted to the points of the cloud within
 /// control.search_radius_m, or within the extent of a plane. Its laser vector is that of the
 /// nearest point, moved onto the surface. `mounting` has the boresight with which the returns are
 /// georeferenced. Returns the number of points found.

@@ -15,8 +15,8 @@ namespace dn {
 /// degrees on WGS84, and ellipsoidal heights in metres. A line or polygon that crosses the
 /// meridian of 180 degrees continues beyond it.
 
-/// Returns the text of swaths.geojson. Each strip has the path of the body as a line, and the area
-/// that it covers as a polygon at the mean height of the ground. Properties: `strip`, and `shows`
+/// Returns the text of swaths.geojson. Each strip has the path of the body as a line. The area that
+/// it covers is a polygon at the mean height of the ground. Properties: `strip`, and `shows`
 /// ("path" or "swath").
 std::string FormatSwathLayer(const std::vector<Swath>& swaths, const LocalFrame& frame);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/blind_check/described_physics.h>
 #include <dn/blind_check/outsider.h>
 #include <dn/sim/simulate.h>
 
@@ -10,17 +11,29 @@
 
 namespace dn {
 
-/// Content of a flight: no effect, one, two, one outside the library of effects, or one effect that
-/// the diagnosis must not consider (kLeftOut).
-enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kUnlistedEffect, kLeftOut };
+/// Content of a flight: no effect, one, two, three, one outside the library of effects, or one
+/// effect that the diagnosis must not consider (kLeftOut).
+enum class BlindContent {
+  kNothing,
+  kOneEffect,
+  kTwoEffects,
+  kThreeEffects,
+  kUnlistedEffect,
+  kLeftOut
+};
+
+/// Returns the number of effects of the table in a flight with this content.
+std::size_t EffectCount(BlindContent content);
 
 /// A series of flights with effects that are unknown to the diagnosis.
 struct BlindSuite {
   std::uint64_t seed = 1;
   std::vector<std::string> scenarios;  ///< base scenarios of the flights, at least one
-  /// Content of every flight; nullopt: drawn for each flight, but never kLeftOut.
+  /// Content of every flight; nullopt: drawn for each flight, but never kThreeEffects or kLeftOut.
   std::optional<BlindContent> only = {};
   double size_factor = 1.0;  ///< on the sizes of the effects of the table, positive
+  /// Effects outside the library that flights may contain; empty: those of UnlistedEffectNames.
+  std::vector<DescribedPhysics> physics = {};
 };
 
 /// One flight of a series.
@@ -28,7 +41,7 @@ struct BlindFlight {
   int number = 1;
   std::uint64_t seed = 1;  ///< seed of the simulation
   std::string base;        ///< base scenario
-  Scenario scenario;       ///< drawn scenario with at most two effects
+  Scenario scenario;       ///< drawn scenario with at most three effects
   std::optional<UnlistedEffect> outsider;
   bool left_out = false;  ///< the diagnosis must not consider the effect
 

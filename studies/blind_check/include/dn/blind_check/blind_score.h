@@ -101,6 +101,12 @@ struct Quartiles {
   double low = 0.0, median = 0.0, high = 0.0;
 };
 
+/// Scores of the flights with several effects.
+struct SeveralScore {
+  Share detected, named, named_with_group;
+  Share members;  ///< named effects among those of the flights
+};
+
 /// Scores of the diagnoses of a series of blind flights. `named`: the verdict's effects are exactly
 /// those of the flight. `with_group`: each effect of the flight is one of the verdict's effects or,
 /// for the verdict `group`, in the credible set.
@@ -115,9 +121,8 @@ struct BlindScore {
   double null_uniformity_p = 1.0;  ///< p-value of their uniformity (Kolmogorov and Smirnov)
 
   Share one_detected, one_named, one_named_with_group;
-  Share two_detected, two_named, two_named_with_group;
-  Share two_members;  ///< named effects among those of flights with two
-  long spurious = 0;  ///< named effects that are absent, in flights with other effects
+  SeveralScore two, three;  ///< flights with two and with three effects
+  long spurious = 0;        ///< named effects that are absent, in flights with other effects
   Share outsider_detected;
   Share outsider_rejected;  ///< verdict unknown or partial, among the detected flights
   Share outsider_misnamed;  ///< verdict identified, although wrong, among the detected flights

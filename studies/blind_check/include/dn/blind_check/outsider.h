@@ -26,8 +26,9 @@ std::vector<std::string> UnlistedEffectNames();
 UnlistedEffect DrawUnlistedEffect(const std::string& name, const FlightTimes& times,
                                   Random& random);
 
-/// Returns the errors that the simulation adds for the effect. The scanner axes are those of
-/// `scenario`. Throws InvalidInput for an unknown name, Json::exception for wrong parameters.
+/// Returns the errors that the simulation adds for the effect, also for one that a file describes.
+/// The scanner axes are those of `scenario`. Throws InvalidInput for an unknown name,
+/// Json::exception for wrong parameters.
 OwnErrors MakeOwnErrors(const UnlistedEffect& outsider, const Scenario& scenario);
 
 /// Draws a number whose logarithm is uniform between those of low and high, which are positive.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/files/flight.h>
+#include <dn/lidar/beam_ends.h>
 #include <dn/report/json.h>
 
 #include <string>
@@ -8,24 +9,20 @@
 
 namespace dn::apps {
 
-/// The beams that the pairs of a scanner name.
-struct BeamEnds {
+/// The beams of a scanner: those that flight.yaml states and those that the pairs name.
+struct ScannerBeams {
   std::string scanner;     ///< name in a list of scanners, else empty
-  std::vector<long> ends;  ///< number of ends of pairs that each beam measured
-  long without_beam = 0;   ///< number of other ends
   std::size_t stated = 0;  ///< number of beams in flight.yaml; 0: none
-
-  /// Returns the number of beams that measured an end.
-  std::size_t NumMeasured() const;
+  BeamEnds ends;
 };
 
 /// Counts the ends of each beam. Scanners without beams in flight.yaml and in their pairs are left
 /// out.
-std::vector<BeamEnds> CountBeamEnds(const Flight& flight);
+std::vector<ScannerBeams> CountScannerBeams(const Flight& flight);
 
 /// Says how many beams measured pairs, and what calibrate does with them. One line.
-std::string Words(const BeamEnds& beams);
+std::string Words(const ScannerBeams& beams);
 
-Json ToJson(const std::vector<BeamEnds>& beams);
+Json ToJson(const std::vector<ScannerBeams>& beams);
 
 }  // namespace dn::apps
