@@ -8,36 +8,47 @@
 #include <algorithm>
 
 #include "match_flight.h"
+#include "match_scanners.h"
 
 namespace dn::apps {
 namespace {
 
 constexpr const char* kSmoothed = "smoothed/trajectory.out";
 
+bool Exists(const FlightConfig& config, const std::string& pattern) {
+  try {
+    return !FindPairFiles(config.folder, {pattern}).empty();
+  } catch (const InvalidInput&) {
+    return false;
+  }
+}
+
+/// Returns whether any pair file of any scanner exists.
 bool HasPairs(const FlightConfig& config) {
-  std::vector<std::string> patterns = config.lidar->p2p;
+  std::vector<std::string> patterns;
+  for (std::size_t k = 0; k < NumScanners(config); ++k) {
+    const std::vector<std::string>& own = ScannerAt(config, k).p2p;
+    patterns.insert(patterns.end(), own.begin(), own.end());
+  }
   if (patterns == LidarConfig().p2p) patterns.emplace_back("lidar/*.txt");
-  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-    try {
-      return !FindPairFiles(config.folder, {pattern}).empty();
-    } catch (const InvalidInput&) {
-      return false;
-    }
-  });
+  for (const PairsBetween& between : config.pairs_between) {
+    patterns.insert(patterns.end(), between.p2p.begin(), between.p2p.end());
+  }
+  return std::any_of(patterns.begin(), patterns.end(),
+                     [&](const std::string& pattern) { return Exists(config, pattern); });
 }
 
-}  // namespace
-
-bool HasStripsAlone(const FlightConfig& config) {
-  return NumScanners(config) == 1 && config.strips_crs != "none" && !HasPairs(config) &&
-         !FindStripFiles(config).empty();
+bool EachHasStrips(const FlightConfig& config) {
+  for (std::size_t k = 0; k < NumScanners(config); ++k) {
+    if (FindStripFiles(config, k).empty()) return false;
+  }
+  return true;
 }
 
-void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
-                     const std::function<void(const FlightConfig&)>& calibrate) {
-  run.progress().Warn("no file of lidar.p2p exists: pairs are computed by matching the strips");
-  const MatchedFlight matched =
-      MatchFlightStrips(config, trajectory, MakeRunMatchOptions(run), {}, run);
+/// Stages the matches, and calls `calibrate` with the flight and its pairs.
+template <class Matched>
+void CalibrateMatched(const Matched& matched, Run& run,
+                      const std::function<void(const FlightConfig&)>& calibrate) {
   AddMatches(matched, run);
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
   if (matched.result.pairs() == 0) FailNoPairs();
@@ -52,6 +63,24 @@ void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, 
     throw;
   }
   correct();
+}
+
+}  // namespace
+
+bool HasStripsAlone(const FlightConfig& config) {
+  return NumScanners(config) > 0 && config.strips_crs != "none" && !HasPairs(config) &&
+         EachHasStrips(config);
+}
+
+void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
+                     const std::function<void(const FlightConfig&)>& calibrate) {
+  run.progress().Warn("no file of lidar.p2p exists: pairs are computed by matching the strips");
+  const MatchOptions options = MakeRunMatchOptions(run);
+  if (NumScanners(config) > 1) {
+    CalibrateMatched(MatchScannerStrips(config, trajectory, options, {}, run), run, calibrate);
+  } else {
+    CalibrateMatched(MatchFlightStrips(config, trajectory, options, {}, run), run, calibrate);
+  }
 }
 
 }  // namespace dn::apps

@@ -1,5 +1,6 @@
 #include <dn/adjustment/swaths.h>
 #include <dn/files/flight.h>
+#include <dn/files/scanners.h>
 #include <dn/geo/text_table.h>
 #include <dn/matching/match.h>
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "command.h"
 #include "flight_run.h"
 #include "match_flight.h"
+#include "match_scanners.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -54,11 +56,9 @@ bool IsFlight(const std::vector<std::string>& what) {
          (fs::is_directory(what[0]) || fs::path(what[0]).extension() == ".yaml");
 }
 
-void MatchFlightCommand(const MatchCommand& command, Run& run) {
-  FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
-  MatchedFlight matched =
-      MatchFlightStrips(std::move(config), command.trajectory, MakeMatchOptions(command, run),
-                        MakePointFilter(command), run);
+/// Adds the files of a match of one or several scanners.
+template <class Matched>
+void AddMatchedFlight(const Matched& matched, Run& run) {
   AddMatches(matched, run);
   if (matched.smoothed) {
     AddTrajectoryFiles(*matched.smoothed, &run);
@@ -68,6 +68,19 @@ void MatchFlightCommand(const MatchCommand& command, Run& run) {
   run.AddFile("flight.matched.yaml",
               FormatFlightFile(WithMatches(matched, run.files().path(), "trajectory.out")));
   if (matched.result.pairs() == 0) FailNoPairs();
+}
+
+void MatchFlightCommand(const MatchCommand& command, Run& run) {
+  FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
+  const MatchOptions options = MakeMatchOptions(command, run);
+  const PointFilter filter = MakePointFilter(command);
+  if (NumScanners(config) > 1) {
+    AddMatchedFlight(
+        MatchScannerStrips(std::move(config), command.trajectory, options, filter, run), run);
+  } else {
+    AddMatchedFlight(MatchFlightStrips(std::move(config), command.trajectory, options, filter, run),
+                     run);
+  }
 }
 
 std::string FormatPositions(const MatchResult& result, const BareMatchSource& source) {

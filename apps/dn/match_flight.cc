@@ -8,6 +8,7 @@
 #include <dn/matching/match_output.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -21,20 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLeastSharedError = 0.3;  // of a stated sigma: adds less than 5 % to it
-
-void ExpectMatchable(const FlightConfig& config) {
-  const FileLocation where{config.file.string()};
-  if (!config.lidar) {
-    throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
-  }
-  ExpectOneScanner(config, "matching");
-  if (config.strips_crs == "none") {
-    throw InvalidConfig(
-        "strips_crs is 'none': such points have no trajectory; match their files alone with "
-        "dn match STRIP STRIP --out DIR, or write map, utm:ZONEn, utm:ZONEs or ecef",
-        where);
-  }
-}
 
 void WarnIf(const std::string& warning, Run& run) {
   if (!warning.empty()) run.progress().Warn(warning);
@@ -59,12 +46,66 @@ VectorOrigin CheckStrips(const std::vector<fs::path>& files, const std::string& 
   return weakest;
 }
 
-/// The trajectory of a flight with its origin.
-struct FlightPath {
-  StripSourceOptions options;
-  LocalFrame frame{Geodetic{}};
-  std::unique_ptr<FlightRun> smoothed;
-};
+std::string Triple(const Json& v) {
+  return fmt::format("{:.3f}, {:.3f}, {:.3f}", v[0].get<double>(), v[1].get<double>(),
+                     v[2].get<double>());
+}
+
+std::string Strips(const Json& strips) {
+  std::string text;
+  for (const Json& strip : strips) text += (text.empty() ? "" : "-") + strip.get<std::string>();
+  return text;
+}
+
+void Print(const Json& match) {
+  const auto rms = [](const Json& pair, const char* when) {
+    const Json& misalignment = pair["misalignment"];
+    return misalignment.is_null() || misalignment[when].is_null()
+               ? std::string("-")
+               : fmt::format("{:.3f}", misalignment[when]["rms_m"].get<double>());
+  };
+  const auto offset = [](const Json& pair, const char* what) {
+    return pair["offset"].is_null() ? std::string("-") : Triple(pair["offset"][what]);
+  };
+  std::size_t width = 12;
+  for (const Json& pair : match["strip_pairs"]) {
+    width = std::max(width, Strips(pair["strips"]).size());
+  }
+  fmt::print("{:<{}} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n", "strips", width,
+             "candidates", "found", "registered", "pairs", "apart rms [m]", "after",
+             "shift E, N, U [m]", "scatter E, N, U [m]");
+  for (const Json& pair : match["strip_pairs"]) {
+    const Json& counts = pair["counts"];
+    fmt::print("{:<{}} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n",
+               Strips(pair["strips"]), width, counts["candidates"].get<long>(),
+               counts["found"].get<long>(), counts["registered"].get<long>(),
+               counts["pairs"].get<long>(), rms(pair, "before"), rms(pair, "after"),
+               offset(pair, "shift_enu_m"), offset(pair, "scatter_enu_m"));
+  }
+  for (const Json& loop : match["loops"]) {
+    fmt::print("loop {:<12} closes to {} m (sigma {})\n", Strips(loop["strips"]),
+               Triple(loop["closure_enu_m"]), Triple(loop["sigma_enu_m"]));
+  }
+}
+
+std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
+  return "lidar/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name + ".txt";
+}
+
+}  // namespace
+
+void ExpectMatchable(const FlightConfig& config) {
+  const FileLocation where{config.file.string()};
+  if (!config.lidar) {
+    throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
+  }
+  if (config.strips_crs == "none") {
+    throw InvalidConfig(
+        "strips_crs is 'none': such points have no trajectory; match their files alone with "
+        "dn match STRIP STRIP --out DIR, or write map, utm:ZONEn, utm:ZONEs or ecef",
+        where);
+  }
+}
 
 FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, Run& run) {
   FlightPath path;
@@ -93,42 +134,49 @@ FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, R
   return path;
 }
 
-std::string Triple(const Json& v) {
-  return fmt::format("{:.3f}, {:.3f}, {:.3f}", v[0].get<double>(), v[1].get<double>(),
-                     v[2].get<double>());
+MatchedFlight OpenStrips(FlightConfig config, const FlightPath& path, const PointFilter& filter,
+                         Run& run) {
+  const std::vector<fs::path> files = RequireStripFiles(config);
+  const StripGeoreferencing made_with = StripsGeoreferencing(config);
+  MatchedFlight matched;
+  matched.origin = CheckStrips(files, config.strips_crs, made_with, run);
+  StripSourceOptions options = path.options;
+  options.made_with = made_with;
+  options.time_span_s = config.time_span_s;
+  options.time_offset_s = config.lidar->time_offset_s;
+  options.filter = filter;
+  matched.source = std::make_unique<FlightMatchSource>(options, path.frame, config.strips_crs,
+                                                       FindMatchStrips(files));
+  matched.config = std::move(config);
+  return matched;
 }
 
-std::string Strips(const Json& strips) {
-  std::string text;
-  for (const Json& strip : strips) text += (text.empty() ? "" : "-") + strip.get<std::string>();
-  return text;
+MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajectory,
+                               const PointFilter& filter, Run& run) {
+  ExpectMatchable(config);
+  ExpectOneScanner(config, "matching");
+  run.ReadsStrips();
+  FlightPath path = FindFlightPath(&config, trajectory, run);
+  MatchedFlight matched = OpenStrips(std::move(config), path, filter, run);
+  matched.smoothed = std::move(path.smoothed);
+  return matched;
 }
 
-void Print(const Json& match) {
-  const auto rms = [](const Json& pair, const char* when) {
-    const Json& misalignment = pair["misalignment"];
-    return misalignment.is_null() || misalignment[when].is_null()
-               ? std::string("-")
-               : fmt::format("{:.3f}", misalignment[when]["rms_m"].get<double>());
-  };
-  const auto offset = [](const Json& pair, const char* what) {
-    return pair["offset"].is_null() ? std::string("-") : Triple(pair["offset"][what]);
-  };
-  fmt::print("{:<12} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n", "strips",
-             "candidates", "found", "registered", "pairs", "apart rms [m]", "after",
-             "shift E, N, U [m]", "scatter E, N, U [m]");
-  for (const Json& pair : match["strip_pairs"]) {
-    const Json& counts = pair["counts"];
-    fmt::print("{:<12} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n",
-               Strips(pair["strips"]), counts["candidates"].get<long>(),
-               counts["found"].get<long>(), counts["registered"].get<long>(),
-               counts["pairs"].get<long>(), rms(pair, "before"), rms(pair, "after"),
-               offset(pair, "shift_enu_m"), offset(pair, "scatter_enu_m"));
-  }
-  for (const Json& loop : match["loops"]) {
-    fmt::print("loop {:<12} closes to {} m (sigma {})\n", Strips(loop["strips"]),
-               Triple(loop["closure_enu_m"]), Triple(loop["sigma_enu_m"]));
-  }
+void MatchOpened(MatchOptions options, MatchedFlight* matched) {
+  const FlightConfig& config = matched->config;
+  if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
+  if (config.lidar->beams) options.beams = static_cast<int>(config.lidar->beams->count);
+  const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());
+  options.sigma_ned_m << stated.sigma_xy_m, stated.sigma_xy_m, stated.sigma_z_m;
+  options.sigma_rph_rad << stated.sigma_rp_rad, stated.sigma_rp_rad, stated.sigma_y_rad;
+  matched->result = MatchFlight(matched->source.get(), options);
+}
+
+MatchedFlight MatchFlightStrips(FlightConfig given, const std::string& trajectory,
+                                const MatchOptions& options, const PointFilter& filter, Run& run) {
+  MatchedFlight matched = OpenFlightStrips(std::move(given), trajectory, filter, run);
+  MatchOpened(options, &matched);
+  return matched;
 }
 
 /// Returns the error of pairs that the sigma of the range offset of plants leaves, as a sigma of
@@ -147,45 +195,6 @@ void AddRangeOffset(double sigma_m, FlightConfig* config) {
   std::erase_if(
       sizes, [](const UnmodelledSize& size) { return size.effect == EffectId::kLidarRangeOffset; });
   sizes.push_back({EffectId::kLidarRangeOffset, {std::hypot(stated_m, sigma_m)}});
-}
-
-std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
-  return "lidar/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name + ".txt";
-}
-
-}  // namespace
-
-MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajectory,
-                               const PointFilter& filter, Run& run) {
-  ExpectMatchable(config);
-  run.ReadsStrips();
-  const std::vector<fs::path> files = RequireStripFiles(config);
-  const StripGeoreferencing made_with = StripsGeoreferencing(config);
-  MatchedFlight matched;
-  matched.origin = CheckStrips(files, config.strips_crs, made_with, run);
-  FlightPath path = FindFlightPath(&config, trajectory, run);
-  matched.smoothed = std::move(path.smoothed);
-  path.options.made_with = made_with;
-  path.options.time_span_s = config.time_span_s;
-  path.options.time_offset_s = config.lidar->time_offset_s;
-  path.options.filter = filter;
-  matched.source = std::make_unique<FlightMatchSource>(path.options, path.frame, config.strips_crs,
-                                                       FindMatchStrips(files));
-  matched.config = std::move(config);
-  return matched;
-}
-
-MatchedFlight MatchFlightStrips(FlightConfig given, const std::string& trajectory,
-                                MatchOptions options, const PointFilter& filter, Run& run) {
-  MatchedFlight matched = OpenFlightStrips(std::move(given), trajectory, filter, run);
-  const FlightConfig& config = matched.config;
-  if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
-  if (config.lidar->beams) options.beams = static_cast<int>(config.lidar->beams->count);
-  const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());
-  options.sigma_ned_m << stated.sigma_xy_m, stated.sigma_xy_m, stated.sigma_z_m;
-  options.sigma_rph_rad << stated.sigma_rp_rad, stated.sigma_rp_rad, stated.sigma_y_rad;
-  matched.result = MatchFlight(matched.source.get(), options);
-  return matched;
 }
 
 MatchOptions MakeRunMatchOptions(Run& run) {
@@ -212,8 +221,9 @@ FlightConfig WithMatches(const MatchedFlight& matched, const fs::path& folder,
 }
 
 void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
-                   Run& run) {
-  const Json match = MatchJson(name, result, source);
+                   Run& run, const Json& more) {
+  Json match = MatchJson(name, result, source);
+  match.update(more);
   for (const StripPairMatch& pair : result.strip_pairs) {
     run.AddFile(
         "matches/" + source.strips()[pair.i].name + "_" + source.strips()[pair.j].name + ".txt",

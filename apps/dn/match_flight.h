@@ -24,14 +24,42 @@ struct MatchedFlight {
 /// Point filter of the planes: last returns only, all classes.
 inline const PointFilter kLastReturns{.last_returns = true, .classes = {}};
 
-/// Opens the strips of a flight without matching them. The trajectory is the flight's own, else
-/// `trajectory`, else one smoothed from the inertial and GNSS data.
+/// The trajectory of a flight with its origin.
+struct FlightPath {
+  StripSourceOptions options;  ///< with the trajectory only
+  LocalFrame frame{Geodetic{}};
+  std::unique_ptr<FlightRun> smoothed;  ///< set if the flight has no trajectory
+};
+
+/// Throws InvalidConfig for a flight without scanner, and for strips without a trajectory.
+void ExpectMatchable(const FlightConfig& config);
+
+/// Returns the flight's own trajectory, else `trajectory`, else one smoothed from the inertial and
+/// GNSS data. `config` then names the trajectory in use.
+FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, Run& run);
+
+/// Opens the strips of a flight with one scanner without matching them.
+MatchedFlight OpenStrips(FlightConfig config, const FlightPath& path, const PointFilter& filter,
+                         Run& run);
+
+/// Does both. Throws InvalidConfig for several scanners.
 MatchedFlight OpenFlightStrips(FlightConfig config, const std::string& trajectory,
                                const PointFilter& filter, Run& run);
 
-/// Matches the strips of a flight. The trajectory is chosen as in the function above.
+/// Matches opened strips. Values that the options lack are those of the flight.
+void MatchOpened(MatchOptions options, MatchedFlight* matched);
+
+/// Opens and matches the strips of a flight with one scanner.
 MatchedFlight MatchFlightStrips(FlightConfig config, const std::string& trajectory,
-                                MatchOptions options, const PointFilter& filter, Run& run);
+                                const MatchOptions& options, const PointFilter& filter, Run& run);
+
+/// Returns the error of pairs that the sigma of the range offset of plants leaves, as a sigma of
+/// lidar_range_offset: all pairs share it.
+double SharedRangeSigma(const MatchResult& result);
+
+/// Adds a shared error of this size to the prior of lidar_range_offset, unless the flight has the
+/// pure model.
+void AddRangeOffset(double sigma_m, FlightConfig* config);
 
 /// Returns matching options with the threads and the progress callback of the run.
 MatchOptions MakeRunMatchOptions(Run& run);
@@ -42,9 +70,9 @@ MatchOptions MakeRunMatchOptions(Run& run);
 FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::path& folder,
                          const std::string& trajectory);
 
-/// Stages match.json and matches/, and prints the counts.
+/// Stages match.json and matches/, and prints the counts. match.json also has the keys of `more`.
 void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
-                   Run& run);
+                   Run& run, const Json& more = Json::object());
 
 /// Stages the files of AddMatchFiles and the pair files of a flight.
 void AddMatches(const MatchedFlight& matched, Run& run);

@@ -23,7 +23,7 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads
 void ExpectGeoreferenceable(const FlightConfig& config);
 
 /// Throws InvalidInput if the corrections of beams could not be applied: the scanner has several
-/// beams, and a strip begins with points without laser vectors or beams.
+/// beams, but the first points of a strip have no laser vectors or no beams.
 void ExpectBeamsInStrips(const FlightConfig& config);
 
 /// Georeferences all strips of a flight, stages strips/ and georef.json, and prints a table. Stages

@@ -1,4 +1,5 @@
 #include <dn/adjustment/adjust.h>
+#include <dn/files/scanners.h>
 #include <dn/sim/draw_effects.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>
@@ -23,7 +24,7 @@ struct SimulateArguments {
   std::optional<double> unmodelled;  ///< factor of the priors
 };
 
-/// Writes the point clouds and returns the counts of pulses and points per strip.
+/// Writes the point clouds and returns the counts of pulses and points per scanner and strip.
 Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
   const std::vector<CloudCounts> counts =
       WriteClouds(simulated, run.options().threads, run.files(),
@@ -31,14 +32,29 @@ Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
                     if (SignalReceived()) throw dn::Interrupted();
                     run.progress().Stage("strip " + strip.name, Share{fraction, 1.0, {}});
                   });
-  Json strips = Json::array();
+  Json clouds = Json::array();
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    strips.push_back({{"name", simulated.strips[i].name},
+    clouds.push_back({{"name", simulated.strips[i % simulated.strips.size()].name},
                       {"pulses", counts[i].pulses},
                       {"points", counts[i].points},
                       {"lost on water", counts[i].on_water}});
+    const std::string scanner =
+        ScannerAt(simulated.flight.config, i / simulated.strips.size()).name;
+    if (!scanner.empty()) clouds.back()["scanner"] = scanner;
   }
-  return strips;
+  return clouds;
+}
+
+/// Returns the numbers of points of a strip: ", 12 points", ", 12 points of nadir, 13 of oblique".
+std::string PointWords(const Json& clouds, const std::string& strip) {
+  std::string text;
+  for (const Json& cloud : clouds) {
+    if (cloud["name"] != strip) continue;
+    text += fmt::format(", {}", cloud["points"].get<std::uint64_t>());
+    if (text.find("points") == std::string::npos) text += " points";
+    if (cloud.contains("scanner")) text += " of " + cloud["scanner"].get<std::string>();
+  }
+  return text;
 }
 
 Scenario SimulatedScenario(const SimulateArguments& options) {
@@ -74,11 +90,9 @@ void RunSimulate(const SimulateArguments& options, Run& run) {
   fmt::print("flight {}: {} inertial epochs, {} GNSS epochs, {} strips, {} pairs, seed {}\n",
              scenario.name, flight.imu->samples.size(), flight.gnss->epochs.size(),
              simulated.strips.size(), pairs, options.seed);
-  for (std::size_t i = 0; i < simulated.strips.size(); ++i) {
-    const StripInterval& strip = simulated.strips[i];
-    const std::string points =
-        clouds.empty() ? "" : fmt::format(", {} points", clouds[i]["points"].get<std::uint64_t>());
-    fmt::print("  strip {}: {:.1f} .. {:.1f} s{}\n", strip.name, strip.t0_s, strip.t1_s, points);
+  for (const StripInterval& strip : simulated.strips) {
+    fmt::print("  strip {}: {:.1f} .. {:.1f} s{}\n", strip.name, strip.t0_s, strip.t1_s,
+               PointWords(clouds, strip.name));
   }
 }
 

@@ -196,6 +196,10 @@ class Matcher {
   virtual bool RemovePlantOffset(MatchResult* /*result*/) const { return false; }
   /// Calls `work` with the initial alignment.
   virtual void AsGiven(const std::function<void()>& work) = 0;
+  /// Returns whether two strips are matched with each other.
+  virtual bool Compares(std::size_t /*i*/, std::size_t /*j*/) const { return true; }
+  /// Returns whether strips without any overlap are an error.
+  virtual bool MustOverlap() const { return true; }
 
   const std::vector<StripSample>& samples() const { return samples_; }
   const MatchOptions& options() const { return options_; }
@@ -549,9 +553,11 @@ class Matcher {
     result_.strip_pairs.clear();
     const Vector3d before_rad = Boresight();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j, most_roots);
+      for (std::size_t j = i + 1; j < samples_.size(); ++j) {
+        if (Compares(i, j)) MatchStripPair(i, j, most_roots);
+      }
     }
-    if (result_.strip_pairs.empty()) FailNoOverlap();
+    if (result_.strip_pairs.empty() && MustOverlap()) FailNoOverlap();
     result_.variance_factor = VarianceFactor();
     for (std::size_t k = 0; k < registered_.size(); ++k) TakeDetermined(k);
     AlignAll();
@@ -761,6 +767,38 @@ class BareMatcher : public Matcher {
   BareMatchSource& source_;
 };
 
+/// The strips are together already, and stay as they are.
+class ScannersMatcher : public Matcher {
+ public:
+  ScannersMatcher(ScannersMatchSource* source, const MatchOptions& options)
+      : Matcher(source, options), source_(*source) {}
+
+ private:
+  double FirstSearch() const override { return 0.0; }
+
+  AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
+    AlignmentFit fit;
+    double squares_m2 = 0.0;
+    for (const CoarsePair& pair : pairs) {
+      if (pair.difference_m.norm() > tolerance_m) continue;
+      ++fit.agreeing;
+      squares_m2 += pair.difference_m.squaredNorm();
+    }
+    if (fit.agreeing > 0) fit.rms_m = std::sqrt(squares_m2 / static_cast<double>(fit.agreeing));
+    return fit;
+  }
+
+  void AsGiven(const std::function<void()>& work) override { work(); }
+
+  bool Compares(std::size_t i, std::size_t j) const override {
+    return source_.ScannerIndex(i) != source_.ScannerIndex(j);
+  }
+
+  bool MustOverlap() const override { return false; }
+
+  const ScannersMatchSource& source_;
+};
+
 }  // namespace
 
 std::size_t MatchResult::pairs() const {
@@ -779,6 +817,10 @@ std::vector<MatchLevel> AlignFlight(FlightMatchSource* source, const MatchOption
 
 MatchResult MatchBareStrips(BareMatchSource* source, const MatchOptions& options) {
   return BareMatcher(source, options).Run();
+}
+
+MatchResult MatchScanners(ScannersMatchSource* source, const MatchOptions& options) {
+  return ScannersMatcher(source, options).Run();
 }
 
 }  // namespace dn

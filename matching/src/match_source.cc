@@ -102,6 +102,31 @@ Vector3d FlightMatchSource::RawAt(std::size_t, double t_s, const Vector3d& p_m) 
   return LaserVectorTo(source_.PoseAt(t_s), mounting_, p_m);
 }
 
+ScannersMatchSource::ScannersMatchSource(std::vector<Scanner> scanners)
+    : scanners_(std::move(scanners)) {
+  for (std::size_t k = 0; k < scanners_.size(); ++k) {
+    const std::vector<MatchStrip>& strips = scanners_[k].source->strips();
+    for (std::size_t s = 0; s < strips.size(); ++s) {
+      strips_.push_back(strips[s]);
+      strips_.back().name = scanners_[k].name + "_" + strips[s].name;
+      places_.push_back({k, s});
+    }
+  }
+}
+
+StripCounts ScannersMatchSource::Read(std::size_t strip,
+                                      const std::function<void(const RawPoints&)>& take) const {
+  return Source(strip).Read(StripIndex(strip), take);
+}
+
+Vector3d ScannersMatchSource::Position(std::size_t strip, double t_s, const Vector3d& x) const {
+  return Source(strip).Position(StripIndex(strip), t_s, x);
+}
+
+Vector3d ScannersMatchSource::RawAt(std::size_t strip, double t_s, const Vector3d& p_m) const {
+  return Source(strip).RawAt(StripIndex(strip), t_s, p_m);
+}
+
 BareMatchSource::BareMatchSource(std::vector<MatchStrip> strips, PointFilter filter)
     : strips_(std::move(strips)),
       filter_(std::move(filter)),

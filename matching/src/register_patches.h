@@ -64,7 +64,7 @@ struct Registration {
 ///
 /// d: the difference of the points. W: n n^T / variance along n where one of the neighbourhoods is
 /// a plane with the normal n, else (C_a + C_b + s0^2 I)^-1 with the covariances of the
-/// neighbourhoods. Two planes must have normals within 20 deg: a wall seen by one strip is thus not
+/// neighbourhoods. Two planes must have normals within 20 deg. A wall seen by one strip is thus not
 /// matched with the edge of the roof in the other. w: weights of Student's t distribution with 4
 /// degrees of freedom. The stiffness is a difference quotient with new partners: with the partners
 /// kept, it would be too large.

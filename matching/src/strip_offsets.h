@@ -11,8 +11,8 @@ namespace dn::matching_internal {
 /// for fewer than four pairs.
 Json OffsetJson(const StripPairMatch& match);
 
-/// Returns the closure of each loop of three strips: the sum of the shifts i - j, j - k and k - i
-/// at one place. It is zero, within its sigma, if the shifts are those of rigid strips.
+/// Returns the closure of each loop of three strips. It is the sum of the shifts i - j, j - k and k
+/// - i at one place. It is zero, within its sigma, if the shifts are those of rigid strips.
 Json LoopsJson(const MatchResult& result, const MatchSource& source);
 
 }  // namespace dn::matching_internal

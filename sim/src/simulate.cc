@@ -303,8 +303,7 @@ SimulatedFlight Simulate(const Scenario& given, const SimulateOptions& options) 
   for (ActiveEffects& one : of_scanners) AddOwnErrors(options.own, out.truth, &one);
   out.strips = Strips(scenario.plan, flown);
   if (scenario.strips) {
-    ExpectOneScanner(scenario, "a simulation of point clouds (strips: true)");
-    CheckPulses(scenario.lidar, Duration(out.strips));
+    for (const Scenario& one : scanners) CheckPulses(one.lidar, Duration(out.strips));
   }
   const auto terrain = std::make_shared<const Terrain>(scenario.terrain);
   CheckClearance(scenario, out.strips, *out.truth, *terrain);
@@ -333,8 +332,12 @@ SimulatedFlight Simulate(const Scenario& given, const SimulateOptions& options) 
                                          {options.seed, options.noise, span}, effects);
   }
   if (scenario.strips && !out.strips.empty()) {
-    out.clouds = std::make_shared<const SimulatedClouds>(scenario, out.strips, out.truth, effects,
-                                                         span, options.seed, options.noise);
+    const auto clouds = [&](std::size_t k) {
+      return std::make_shared<const SimulatedClouds>(
+          scanners[k], out.strips, out.truth, of_scanners[k], span, options.seed, options.noise);
+    };
+    out.clouds = clouds(0);
+    for (std::size_t k = 1; k < scanners.size(); ++k) out.more_clouds.push_back(clouds(k));
   }
   if (!out.flight.pairs && !out.clouds) out.flight.config.lidar.reset();
   return out;

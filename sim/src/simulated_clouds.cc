@@ -48,6 +48,11 @@ Flown Fly(const TruthTrajectory& truth, const StripInterval& strip, double base_
           (end_m - begin_m).norm() / (strip.t1_s - strip.t0_s)};
 }
 
+/// Returns the end of the names of random streams of a scanner; empty for a scanner without name.
+std::string ScannerSuffix(const LidarScenario& lidar) {
+  return lidar.name.empty() ? std::string() : " " + lidar.name;
+}
+
 }  // namespace
 
 struct SimulatedClouds::World {
@@ -97,7 +102,8 @@ class SimulatedClouds::Pulses {
   CloudCounts Fire(std::size_t chunk, std::size_t first, std::size_t past,
                    StripCloud* cloud) const {
     cloud->Clear();
-    Random random(world_.seed, "strip " + strip_.name + " chunk " + std::to_string(chunk));
+    Random random(world_.seed, "strip " + strip_.name + " chunk " + std::to_string(chunk) +
+                                   ScannerSuffix(world_.lidar));
     TerrainCaster caster(*world_.terrain, number_);
     const FinePoses poses(*world_.truth, Epoch(first), Epoch(past));
     CloudCounts counts{past - first};
@@ -118,7 +124,7 @@ class SimulatedClouds::Pulses {
     const Flown flown = Fly(*world.truth, strip, world.base_m);
     const double variation = world.lidar.scan_variation;
     if (variation == 0.0) return {world.lidar, flown.height_m, flown.speed_mps};
-    Random random(world.seed, "scan of strip " + strip.name);
+    Random random(world.seed, "scan of strip " + strip.name + ScannerSuffix(world.lidar));
     const double stretch = std::max(0.5, 1.0 + variation * random.Normal());
     return {world.lidar, flown.height_m, flown.speed_mps, stretch, 2.0 * random.Uniform()};
   }

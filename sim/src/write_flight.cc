@@ -205,13 +205,19 @@ std::vector<CloudCounts> WriteClouds(
     const SimulatedFlight& simulated, int threads, OutputDirectory& directory,
     const std::function<void(const StripInterval& strip, double fraction)>& progress) {
   std::vector<CloudCounts> counts;
-  if (!simulated.clouds) return counts;
-  for (const StripInterval& strip : simulated.clouds->strips()) {
-    counts.push_back(simulated.clouds->Write(counts.size(),
-                                             directory.Stage("strips/" + strip.name + ".las"),
-                                             threads, [&](double fraction) {
-                                               if (progress) progress(strip, fraction);
-                                             }));
+  const auto write = [&](const SimulatedClouds& clouds, const std::string& scanner) {
+    const std::string folder = scanner.empty() ? "strips/" : "strips_" + scanner + "/";
+    for (std::size_t k = 0; k < clouds.strips().size(); ++k) {
+      const StripInterval& strip = clouds.strips()[k];
+      counts.push_back(clouds.Write(k, directory.Stage(folder + strip.name + ".las"), threads,
+                                    [&](double fraction) {
+                                      if (progress) progress(strip, fraction);
+                                    }));
+    }
+  };
+  if (simulated.clouds) write(*simulated.clouds, simulated.scenario.lidar.name);
+  for (std::size_t k = 0; k < simulated.more_clouds.size(); ++k) {
+    write(*simulated.more_clouds[k], simulated.scenario.more_scanners[k].name);
   }
   return counts;
 }

@@ -1,5 +1,7 @@
 #include <dn/files/flight.h>
+#include <dn/geo/local_frame.h>
 #include <dn/report/json.h>
+#include <dn/rotation.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -236,6 +238,46 @@ TEST(CliMatchLimits, ASearchWithoutEnd) {
     const ProgramRun run = RunProgram({"match", ShortFlight(), option, value, "--out", "unused"});
     EXPECT_EQ(run.exit_code, 2) << option;
     EXPECT_THAT(run.err, HasSubstr(option));
+  }
+}
+
+constexpr const char* kTwoScanners =
+    "lidar=[{name: a, R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], scan_axis: [0, 1, 0], "
+    "nadir_axis: [1, 0, 0], boresight_deg: [0.2, 0.03, 0.35], fov_deg: 75, gsd_m: 0.7, "
+    "pulse_rate_hz: 14000}, {name: b, R_sensor_to_body: [[0.342020143326, 0.939692620786, 0], "
+    "[0, 0, 1], [0.939692620786, -0.342020143326, 0]], scan_axis: [0, 1, 0], nadir_axis: [1, 0, "
+    "0], "
+    "lever_arm_m: [0.3, 0, 0.1], boresight_deg: [-0.4, 0.5, 0.1], fov_deg: 75, gsd_m: 0.7, "
+    "pulse_rate_hz: 14000}]";
+
+TEST_F(MatchingManyRuns, StripsOfTwoScannersGiveTheirRelativeBoresight) {
+  const ProgramRun simulate =
+      RunProgram({"simulate", In("town.yaml"), "--set", kTwoScanners, "--set",
+                  "pairs={count: 0, between: 0}", "--seed", "2", "--out", In("two")});
+  ASSERT_EQ(simulate.exit_code, 0) << simulate.err;
+  EXPECT_THAT(simulate.out, HasSubstr(" points of a, "));
+  const ProgramRun match = RunProgram({"match", In("two"), "--out", In("two_matched")});
+  ASSERT_EQ(match.exit_code, 0) << match.err;
+  EXPECT_THAT(match.out, HasSubstr("a_1-b_1"));
+  EXPECT_TRUE(fs::exists(In("two_matched/lidar_a/1_2.txt")));
+  EXPECT_TRUE(fs::exists(In("two_matched/lidar_b/1_2.txt")));
+  EXPECT_TRUE(fs::exists(In("two_matched/lidar_a_b/1_2.txt")));
+  const Json matched = Read("two_matched/match.json");
+  EXPECT_EQ(matched["strips"].size(), 4u);
+  EXPECT_NEAR(matched["scanners"][1]["boresight_used_deg"][1].get<double>(), 0.5, 0.1);
+  const ProgramRun calibrate =
+      RunProgram({"calibrate", In("two_matched/flight.matched.yaml"), "--out", In("two_result")});
+  ASSERT_EQ(calibrate.exit_code, 0) << calibrate.err;
+  const Json relative = Read("two_result/result.json")["relative_boresight"][0];
+  const auto rotation = [](double roll_deg, double pitch_deg, double yaw_deg) {
+    return Exp(Eigen::Vector3d(kRadPerDeg * Eigen::Vector3d(roll_deg, pitch_deg, yaw_deg)));
+  };
+  const Eigen::Vector3d truth_deg =
+      kDegPerRad *
+      Log(Eigen::Quaterniond(rotation(0.2, 0.03, 0.35).conjugate() * rotation(-0.4, 0.5, 0.1)));
+  for (int i = 0; i < 3; ++i) {
+    const double error_deg = relative["angles_deg"][i].get<double>() - truth_deg[i];
+    EXPECT_LT(std::abs(error_deg), 4.0 * relative["sigma_deg"][i].get<double>());
   }
 }
 

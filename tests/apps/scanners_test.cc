@@ -87,7 +87,6 @@ TEST_F(CliScanners, TheOneWithTooFewPairsIsNamed) {
 TEST_F(CliScanners, CommandsForOneSaySo) {
   const std::vector<std::vector<std::string>> commands = {
       {"gap", Path("flight"), "--out", Path("gap")},
-      {"match", Path("flight"), "--out", Path("match")},
       {"georef", Path("flight"), "--out", Path("georef")},
       {"calibrate", Path("flight"), "--method", "gh", "--out", Path("gh")}};
   for (const std::vector<std::string>& command : commands) {

@@ -91,8 +91,8 @@ TEST(ProcessMixture, TheEvidencePeaksAtTheSizeAndShapeOfASimulatedProcess) {
   }
 }
 
-// Squared errors of a posterior mean over its covariance have a mean of exactly one per dimension,
-// if sizes and shapes are drawn from their priors.
+// Squared errors of a posterior mean over its covariance have a mean of exactly one per dimension.
+// Sizes and shapes must be drawn from their priors.
 TEST(ProcessMixture, CovarianceIsThatOfTheErrorsOverManyDraws) {
   Coefficients of;
   constexpr int kDraws = 1000;

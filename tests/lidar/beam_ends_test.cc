@@ -3,7 +3,7 @@
 
 namespace dn::lidar_test {
 
-LidarPair PairOfBeams(int scanner_i, int beam_i, int scanner_j, int beam_j) {
+LidarPair BeamPair(int scanner_i, int beam_i, int scanner_j, int beam_j) {
   LidarPair pair;
   pair.scanner_i = scanner_i;
   pair.beam_i = beam_i;
@@ -13,8 +13,8 @@ LidarPair PairOfBeams(int scanner_i, int beam_i, int scanner_j, int beam_j) {
 }
 
 TEST(BeamEnds, AreCountedForOneScanner) {
-  const std::vector<LidarPair> pairs = {PairOfBeams(0, 1, 0, 3), PairOfBeams(0, 1, 1, 0),
-                                        PairOfBeams(0, kNoBeam, 0, 0)};
+  const std::vector<LidarPair> pairs = {BeamPair(0, 1, 0, 3), BeamPair(0, 1, 1, 0),
+                                        BeamPair(0, kNoBeam, 0, 0)};
   const BeamEnds ends = CountBeamEnds(pairs, 0, 5);
   EXPECT_EQ(ends.of_beam, (std::vector<long>{1, 2, 0, 1, 0}));
   EXPECT_EQ(ends.without_beam, 1);
@@ -23,12 +23,12 @@ TEST(BeamEnds, AreCountedForOneScanner) {
 }
 
 TEST(BeamEnds, BeamsBeyondTheStatedOnesAreCounted) {
-  const BeamEnds ends = CountBeamEnds({PairOfBeams(0, 6, 0, kNoBeam)}, 0, 2);
+  const BeamEnds ends = CountBeamEnds({BeamPair(0, 6, 0, kNoBeam)}, 0, 2);
   EXPECT_EQ(ends.of_beam, (std::vector<long>{0, 0, 0, 0, 0, 0, 1}));
 }
 
 TEST(BeamEnds, OfAnotherScannerAreNone) {
-  const BeamEnds ends = CountBeamEnds({PairOfBeams(1, 0, 1, kNoBeam)}, 0, 2);
+  const BeamEnds ends = CountBeamEnds({BeamPair(1, 0, 1, kNoBeam)}, 0, 2);
   EXPECT_FALSE(ends.any());
   EXPECT_EQ(NumMeasuredBeams(ends.of_beam), 0U);
 }

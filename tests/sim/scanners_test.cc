@@ -1,15 +1,20 @@
 #include <dn/files/scanners.h>
+#include <dn/files/strip_files.h>
+#include <dn/lidar/strip_io.h>
 #include <dn/rotation.h>
 #include <dn/sim/simulate.h>
+#include <dn/sim/terrain.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "sim/small_scenario.h"
 #include "sim/written_flight.h"
-#include "testing/expect_invalid.h"
+#include "testing/temp_folder.h"
 
 namespace dn::sim_test {
 
@@ -120,10 +125,83 @@ TEST(SimulatedScanners, OneNamedScannerGivesThePairsOfAMapping) {
   EXPECT_EQ(plain.flight.pairs->files[0].generic_string().substr(0, 6), "lidar/");
 }
 
-TEST(SimulatedScanners, PointCloudsTakeOneScanner) {
-  Scenario scenario = WithTwoScanners();
+/// Two scanners with clouds and without pairs.
+SimulatedFlight FlyTwoClouds(const std::string& extra = "", bool noise = false) {
+  Scenario scenario = WithTwoScanners(extra);
   scenario.strips = true;
-  testing::InvalidInputLocation([&] { Simulate(scenario, {}); }, "has 2 scanners");
+  scenario.pairs.count = 0;
+  scenario.pairs.between = 0;
+  scenario.lidar.pulse_rate_hz = scenario.more_scanners[0].pulse_rate_hz = 500.0;
+  for (Effect& effect : scenario.effects) effect.scanner = "b";
+  return Simulate(scenario, {.seed = 4, .noise = noise});
+}
+
+StripCloud FirstPoints(const std::filesystem::path& strip) {
+  StripCloud points;
+  EXPECT_TRUE(OpenStrip(strip)->Next(&points)) << strip;
+  return points;
+}
+
+/// Writes the flight with its clouds.
+void WriteAll(const SimulatedFlight& sim, const std::filesystem::path& folder) {
+  OutputDirectory directory(folder);
+  WriteFlight(sim, directory);
+  EXPECT_EQ(WriteClouds(sim, 1, directory, {}).size(), 2 * sim.strips.size());
+  directory.Commit();
+}
+
+TEST(SimulatedScanners, EachHasItsPointClouds) {
+  const SimulatedFlight sim = FlyTwoClouds();
+  const testing::TempFolder folder;
+  WriteAll(sim, folder.path() / "flight");
+  const FlightConfig config = ReadFlightConfig(folder.path() / "flight");
+  EXPECT_EQ(NumScanners(config), 2u);
+  const Terrain terrain(sim.scenario.terrain);
+  for (int scanner = 0; scanner < 2; ++scanner) {
+    const auto strips = FindStripFiles(config, static_cast<std::size_t>(scanner));
+    ASSERT_EQ(strips.size(), sim.strips.size());
+    const StripCloud points = FirstPoints(strips[1]);
+    ASSERT_GT(points.size(), 100u);
+    double on_surface = 0.0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto below = [&](double stretch) {
+        const Vector3d p_m = ScannedGround(sim, points.t_s[k], stretch * points.u_s[k], scanner);
+        return p_m.z() < terrain.Surface(p_m.head<2>());
+      };
+      if (!below(1.0 - 1e-4) && below(1.0 + 1e-4)) on_surface += 1.0;
+    }
+    EXPECT_GT(on_surface, 0.98 * static_cast<double>(points.size())) << "some hit edges";
+  }
+}
+
+TEST(SimulatedScanners, CloudsHaveTheEffectsAndTheNoiseOfTheirScanner) {
+  const SimulatedFlight exact = FlyTwoClouds();
+  const SimulatedFlight spoilt =
+      FlyTwoClouds("effects: [{effect: lidar_range_offset, value: [0.1]}]\n");
+  const SimulatedFlight noisy = FlyTwoClouds("", true);
+  const testing::TempFolder folder;
+  WriteAll(exact, folder.path() / "exact");
+  WriteAll(spoilt, folder.path() / "spoilt");
+  WriteAll(noisy, folder.path() / "noisy");
+  const auto points = [&](const std::string& flight, const std::string& scanner) {
+    return FirstPoints(folder.path() / flight / ("strips_" + scanner) / "1.las");
+  };
+  EXPECT_EQ(points("exact", "a").u_s, points("spoilt", "a").u_s);
+  const StripCloud before = points("exact", "b"), after = points("spoilt", "b");
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    ASSERT_NEAR(after.u_s[k].norm() - before.u_s[k].norm(), 0.1, 1e-9);
+  }
+  double same = 0.0;
+  const StripCloud of_a = points("noisy", "a"), of_b = points("noisy", "b");
+  const StripCloud exact_a = points("exact", "a");
+  const std::size_t count = std::min({of_a.size(), of_b.size(), exact_a.size(), before.size()});
+  for (std::size_t k = 0; k < count; ++k) {
+    const double error_a = of_a.u_s[k].norm() - exact_a.u_s[k].norm();
+    const double error_b = of_b.u_s[k].norm() - before.u_s[k].norm();
+    same += std::abs(error_a - error_b) < 1e-6 ? 1.0 : 0.0;
+  }
+  EXPECT_LT(same, 0.1 * static_cast<double>(count)) << "both have the same noise";
 }
 
 }  // namespace dn::sim_test

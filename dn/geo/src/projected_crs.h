@@ -14,8 +14,8 @@ class ProjectedCrs {
  public:
   /// `definition` is a code ("EPSG:2056", "EPSG:25832+7837") or well-known text (WKT 1, WKT 2,
   /// ESRI). Throws InvalidConfig if PROJ does not know it, or if it is not a projected system. Also
-  /// throws if it has no transformation to WGS84 that is better than a guess, or if a better one
-  /// needs a grid that is not installed (the message names it).
+  /// throws if it has no transformation to WGS84 that is better than a guess. Also throws if a
+  /// better one needs a grid that is not installed (the message names it).
   explicit ProjectedCrs(std::string definition);
 
   /// Returns WGS84 coordinates of a point, and back; nullopt outside of the system. A point has

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 constexpr double kMetersPerSecond2PerMilligal = 1e-5;
 
 /// Returns the error as a vector function of the time, in `unit` of the quantity.
-std::function<Vector3d(double t_s)> VectorOfTime(const DrawnError& error, double unit) {
+std::function<Vector3d(double t_s)> TimeFunction(const DrawnError& error, double unit) {
   return [=](double t_s) {
     return Vector3d(unit * error.shape(t_s - error.begin_s) * error.amplitude);
   };
@@ -23,19 +23,19 @@ std::function<Vector3d(double t_s)> VectorOfTime(const DrawnError& error, double
 
 OwnErrors GyroErrors(const DrawnError& error, const Scenario&) {
   OwnErrors own;
-  own.gyro_radps = VectorOfTime(error, kRadPerDeg / 3600.0);
+  own.gyro_radps = TimeFunction(error, kRadPerDeg / 3600.0);
   return own;
 }
 
 OwnErrors AccelerometerErrors(const DrawnError& error, const Scenario&) {
   OwnErrors own;
-  own.specific_force_mps2 = VectorOfTime(error, kMetersPerSecond2PerMilligal);
+  own.specific_force_mps2 = TimeFunction(error, kMetersPerSecond2PerMilligal);
   return own;
 }
 
 OwnErrors GnssErrors(const DrawnError& error, const Scenario&) {
   OwnErrors own;
-  own.antenna_enu_m = VectorOfTime(error, 1.0);
+  own.antenna_enu_m = TimeFunction(error, 1.0);
   return own;
 }
 

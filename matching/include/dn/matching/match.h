@@ -130,4 +130,10 @@ std::vector<MatchLevel> AlignFlight(FlightMatchSource* source, const MatchOption
 /// takes the place of the boresight.
 MatchResult MatchBareStrips(BareMatchSource* source, const MatchOptions& options);
 
+/// Finds the correspondences between strips of different scanners, also of one strip. The
+/// boresights of the sources must bring the strips together to 18 GSD, as those of MatchFlight do,
+/// and are not changed. The ranges of plants are not corrected. Without any overlap the result has
+/// no strip pairs. Throws InvalidInput and InvalidConfig like MatchFlight.
+MatchResult MatchScanners(ScannersMatchSource* source, const MatchOptions& options);
+
 }  // namespace dn

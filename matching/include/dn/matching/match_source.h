@@ -98,6 +98,46 @@ class FlightMatchSource : public MatchSource {
   std::vector<MatchStrip> strips_;
 };
 
+/// The strips of several scanners of one flight: x is the laser vector in the frame of the strip's
+/// scanner. Each scanner keeps the boresight of its source.
+class ScannersMatchSource : public MatchSource {
+ public:
+  struct Scanner {
+    std::string name;
+    const FlightMatchSource* source;  ///< must outlive this object
+  };
+
+  /// Names the strips <scanner>_<strip>.
+  explicit ScannersMatchSource(std::vector<Scanner> scanners);
+
+  const std::vector<MatchStrip>& strips() const override { return strips_; }
+  StripCounts Read(std::size_t strip,
+                   const std::function<void(const RawPoints&)>& take) const override;
+  Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
+  Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
+  std::optional<Eigen::Vector3d> BodyPosition(double t_s) const override {
+    return scanners_.front().source->BodyPosition(t_s);
+  }
+
+  const std::vector<Scanner>& scanners() const { return scanners_; }
+  /// Returns the index of the scanner of a strip, and the index of the strip in its source.
+  std::size_t ScannerIndex(std::size_t strip) const { return places_[strip].scanner; }
+  std::size_t StripIndex(std::size_t strip) const { return places_[strip].strip; }
+
+ private:
+  struct Place {
+    std::size_t scanner, strip;
+  };
+
+  const FlightMatchSource& Source(std::size_t strip) const {
+    return *scanners_[ScannerIndex(strip)].source;
+  }
+
+  std::vector<Scanner> scanners_;
+  std::vector<MatchStrip> strips_;
+  std::vector<Place> places_;
+};
+
 /// Strips without a trajectory: x is the position in the file, the alignment is a shift of each
 /// strip after the first. The frame m is the coordinate system of the files with its origin at a
 /// point near the first one.

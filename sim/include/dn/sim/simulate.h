@@ -52,8 +52,9 @@ struct SimulatedFlight {
   /// Rows of IMU.txt if they are point samples (imu.sampling); else empty, and flight.imu has them.
   std::vector<ImuRow> imu_rows;
   std::vector<StripInterval> strips;
-  /// Point clouds of the strips; null if the scenario does not ask for them.
+  /// Point clouds of the strips by the first scanner; null if the scenario does not ask for them.
   std::shared_ptr<const SimulatedClouds> clouds;
+  std::vector<std::shared_ptr<const SimulatedClouds>> more_clouds;  ///< of the other scanners
 };
 
 /// Begin and end of a flight and its strips, in GPS seconds of week.
@@ -85,8 +86,10 @@ void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
 /// Adds the files of WriteFlight except reference.out and truth.yaml, which contain the truth.
 void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory);
 
-/// Adds the point clouds, strips/<name>.las, and returns their counts; a flight without clouds adds
-/// nothing. `progress` receives the fraction done of each strip and may throw to stop the work.
+/// Adds the point clouds, strips/<name>.las, for scanners of a list strips_<scanner>/<name>.las.
+/// Returns their counts: all strips of the first scanner, then those of the others. A flight
+/// without clouds adds nothing. `progress` receives the fraction done of each strip and may throw
+/// to stop the work.
 std::vector<CloudCounts> WriteClouds(
     const SimulatedFlight& simulated, int threads, OutputDirectory& directory,
     const std::function<void(const StripInterval& strip, double fraction)>& progress);

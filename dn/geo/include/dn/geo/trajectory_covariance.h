@@ -19,8 +19,8 @@ struct TrajectoryCovariance {
 };
 
 /// Returns the text of trajectory_covariance.txt, with one row for each pair of epochs t_j <= t_i.
-/// A row has t_i, strip_i, t_j, strip_j, and the 36 elements of the covariance of pose i with pose
-/// j, row by row; m and deg.
+/// A row has t_i, strip_i, t_j, strip_j. Then follow the 36 elements of the covariance of pose i
+/// with pose j, row by row; m and deg.
 std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance);
 
 /// Reads a file with the text of FormatTrajectoryCovariance. Throws InvalidInput naming file and

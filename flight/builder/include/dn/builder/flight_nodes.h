@@ -11,7 +11,7 @@ namespace dn {
 
 /// Returns the time span of a network: from the first to the last GNSS or pair epoch that the IMU
 /// data cover. A piece of less than 10 s before the first or after the last gap of the IMU data is
-/// left out, because its heading would be unknown. It stays if pairs need it. The GNSS epochs are
+/// left out unless pairs need it. Its heading would be unknown. The GNSS epochs are
 /// the time
 /// tags corrected by the calibration (GnssEpochTime). Throws InvalidInput if fewer than three GNSS
 /// epochs lie inside the IMU data.
