@@ -348,6 +348,13 @@ void AddControlLayer(const FlightRun& flight_run, Run* run) {
   run->AddFile("control.geojson", FormatControlLayer(*check, *flight.control, flight.frame));
 }
 
+/// Returns the text of a result. That of one scanner of a list has its name.
+std::string ResultText(const FlightConfig& config, Json json) {
+  const bool one = NumScanners(config) == 1 && !config.lidar->name.empty();
+  if (one) json["scanner"] = config.lidar->name;
+  return FormatJson(json);
+}
+
 /// Stages the files of the dynamic network. suffix: distinguishes the methods of a run.
 void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
                      const std::string& suffix, Run* run) {
@@ -363,7 +370,7 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
   AddScannersJson(network.mountings, &json);
   AddBeamsJson(network.beams, true, &json);
   if (flight_run.noise) json["noise"] = NoiseJson(*flight_run.noise);
-  const std::string result = FormatJson(json);
+  const std::string result = ResultText(flight_run.flight.config, std::move(json));
   run->AddFile("result" + suffix + ".json", result);
   if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use
   if (!network.mountings.scanners.empty()) return FillReport(flight_run, run);
@@ -432,9 +439,9 @@ void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
   AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->ToMapPoses(flight.frame)), run);
   AddPairFiles(flight, pairs, suffix, run);
-  run->AddFile(
-      "result" + suffix + ".json",
-      FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.check, pairs, gh.timings)));
+  run->AddFile("result" + suffix + ".json",
+               ResultText(flight.config, CalibrationJson(flight.config.name, gh.calibration,
+                                                         gh.check, pairs, gh.timings)));
 }
 
 /// Says that a method on a fixed trajectory does not use the control of the flight.
@@ -471,8 +478,8 @@ PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight
 void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std::string& suffix,
                    Run* run) {
   run->AddFile("result" + suffix + ".json",
-               FormatJson(CalibrationJson(config.name, planes.calibration, planes.check,
-                                          planes.strips, planes.timings)));
+               ResultText(config, CalibrationJson(config.name, planes.calibration, planes.check,
+                                                  planes.strips, planes.timings)));
   run->report()["planes"] = PlaneReportJson(planes);
 }
 

@@ -119,23 +119,52 @@ std::optional<BeamErrors> FindBeams(const StoredBoresight& result, const LidarCo
   return errors;
 }
 
-StoredBoresight ReadResult(const fs::path& file) {
+/// Returns the part of a result that belongs to a scanner: an element of `scanners`, or all of it.
+/// Returns nullopt and fills `others` if the result is of other scanners.
+std::optional<JsonPlace> FindScannerResult(const JsonPlace& root, const std::string& scanner,
+                                           std::vector<std::string>* others) {
+  if (root.Has("scanners")) {
+    for (const JsonPlace& one : root.At("scanners").Elements(kMostScanners)) {
+      others->push_back(one.At("name").Text());
+      if (others->back() == scanner) return one;
+    }
+    return std::nullopt;
+  }
+  if (!root.Has("scanner") || root.At("scanner").Text() == scanner) return root;
+  others->push_back(root.At("scanner").Text());
+  return std::nullopt;
+}
+
+StoredBoresight ReadScannerResult(const JsonPlace& root, const JsonPlace& own) {
+  StoredBoresight result = ReadBoresight(own.At("boresight"));
+  if (root.Has("beams")) {
+    for (const JsonPlace& one : root.At("beams").Elements(kMostScanners)) {
+      result.beams.emplace(one.At("scanner").Text(), ReadBeamErrors(one));
+    }
+  }
+  if (root.Has("method")) result.method = root.At("method").Text();
+  if (own.Has("assessment")) result.verdict = own.At("assessment").At("verdict").Text();
+  return result;
+}
+
+/// Reads the result of the scanner with this name; empty for a flight without a list of scanners.
+StoredBoresight ReadResult(const fs::path& file, const std::string& scanner) {
+  std::vector<std::string> others;
   try {
     const Json json = ReadJsonFile(file);
     const JsonPlace root(json, file.string());
-    StoredBoresight result = ReadBoresight(root.At("boresight"));
-    if (root.Has("beams")) {
-      for (const JsonPlace& one : root.At("beams").Elements(kMostScanners)) {
-        result.beams.emplace(one.At("scanner").Text(), ReadBeamErrors(one));
-      }
-    }
-    if (root.Has("method")) result.method = root.At("method").Text();
-    if (root.Has("assessment")) result.verdict = root.At("assessment").At("verdict").Text();
-    return result;
+    const std::optional<JsonPlace> own = FindScannerResult(root, scanner, &others);
+    if (own) return ReadScannerResult(root, *own);
   } catch (const InvalidInput& error) {
     throw InvalidInput(std::string("this is not a result of `dn calibrate`: ") + error.what(),
                        error.where());
   }
+  throw InvalidInput(
+      fmt::format(
+          "this result is of scanner {}, but the strips are {}; give the result of their scanner",
+          JoinNames(others),
+          scanner.empty() ? "of a flight without a list of scanners" : "of " + scanner),
+      {file.string()});
 }
 
 /// Throws InvalidInput if the verdict says that the angles of the result cannot be relied on. With
@@ -204,7 +233,7 @@ NewStrips Prepare(GeorefOptions given, Run& run) {
   std::optional<Vector3d> boresight_rad;
   if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
   std::optional<StoredBoresight> result;
-  if (!given.result.empty()) result = ReadResult(given.result);
+  if (!given.result.empty()) result = ReadResult(given.result, config.lidar->name);
   if (result) CheckVerdict(given, *result, run);
   if (result && given.trajectory.empty()) {
     given.trajectory = AdjustedTrajectory(given.result, *result);

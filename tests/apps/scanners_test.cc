@@ -84,6 +84,36 @@ TEST_F(CliScanners, TheOneWithTooFewPairsIsNamed) {
   EXPECT_THAT(run.err, HasSubstr("the boresight of scanner b is not observable: only "));
 }
 
+TEST_F(CliScanners, StripsGetTheBoresightOfTheirScanner) {
+  const std::vector<std::string> georef = {"georef",       Path("flight"),
+                                           "--scanner",    "b",
+                                           "--trajectory", Path("flight") + "/reference.out"};
+  fs::create_directory(Path("flight") + "/strips_b");
+  std::ofstream(Path("flight") + "/strips_b/1.txt")
+      << "# t, x, y, z, ux, uy, uz\n381100, 0, 0, 0, 100, 0, 0\n";
+  const auto run = [&](const std::string& result, const std::string& out) {
+    std::vector<std::string> words = georef;
+    words.insert(words.end(), {"--result", Path(result) + "/result.json", "--out", Path(out)});
+    return RunProgram(words);
+  };
+  const ProgramRun both = run("result", "georef_b");
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  const Json result = LoadJson(fs::path(Path("result")) / "result.json");
+  const Json stored = LoadJson(fs::path(Path("georef_b")) / "georef.json");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(stored["boresight_deg"][i].get<double>(),
+                result["scanners"][1]["boresight"]["angles_deg"][i].get<double>(), 1e-9);
+  }
+  const ProgramRun only_a =
+      RunProgram({"calibrate", Path("flight"), "--scanner", "a", "--out", Path("only_a")});
+  ASSERT_EQ(only_a.exit_code, 0) << only_a.err;
+  EXPECT_EQ(LoadJson(fs::path(Path("only_a")) / "result.json")["scanner"], "a");
+  const ProgramRun wrong = run("only_a", "georef_wrong");
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.err, HasSubstr("this result is of scanner a, but the strips are of b"));
+  EXPECT_FALSE(fs::exists(Path("georef_wrong") + "/georef.json"));
+}
+
 TEST_F(CliScanners, CommandsForOneSaySo) {
   const std::vector<std::vector<std::string>> commands = {
       {"gap", Path("flight"), "--out", Path("gap")},
