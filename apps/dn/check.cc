@@ -3,6 +3,7 @@
 #include <dn/builder/gnss_factors.h>
 #include <dn/error.h>
 #include <dn/files/flight.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +13,7 @@
 #include <exception>
 #include <optional>
 
+#include "calibrate_strips.h"
 #include "command.h"
 #include "data_hints.h"
 #include "scanner_beams.h"
@@ -261,17 +263,35 @@ std::string WhatSmoothDoes(const Flight& flight) {
                      flight.imu->samples.size(), flight.gnss->epochs.size());
 }
 
+bool HasPairs(const Flight& flight) { return flight.pairs && !flight.pairs->pairs.empty(); }
+
+/// Returns the pairs that a calibration uses. Without any, it matches the strips.
+std::string PairWords(const Flight& flight) {
+  return HasPairs(flight) ? fmt::format("{} pairs", flight.pairs->pairs.size())
+                          : "the pairs of the strips, which it matches first";
+}
+
 std::string WhatCalibrateDoes(const Flight& flight) {
   std::vector<std::string> unknowns;
   for (const EstimateEntry& entry : flight.config.estimate) unknowns.push_back(entry.unknown);
-  return fmt::format("{} from {} pairs, nodes at {:g} Hz in the strips", fmt::join(unknowns, ", "),
-                     flight.pairs->pairs.size(), NodeRateHz(flight, true));
+  const std::string text = fmt::format("{} from {}", fmt::join(unknowns, ", "), PairWords(flight));
+  if (!HasPairs(flight)) return text;
+  return text + fmt::format(", nodes at {:g} Hz in the strips", NodeRateHz(flight, true));
+}
+
+std::string WhatGaussHelmertDoes(const Flight& flight) {
+  const std::string on =
+      flight.trajectory ? flight.config.trajectory->file : "a trajectory that it smooths first";
+  return "boresight from " + PairWords(flight) + " on " + on;
 }
 
 std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
   const bool imu = flight.imu.has_value();
   const bool gnss = flight.gnss.has_value();
-  const bool pairs = flight.pairs && !flight.pairs->pairs.empty();
+  const bool matches = HasStripsAlone(flight.config);
+  const bool pairs = HasPairs(flight) || matches;
+  const bool one_scanner = NumScanners(flight.config) < 2;
+  const std::string one = "the choice of a scanner (--scanner)";
   std::vector<CommandVerdict> verdicts;
   const auto add = [&](const std::string& command,
                        const std::vector<std::pair<std::string, bool>>& needs, const auto& does) {
@@ -283,13 +303,11 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
   add("calibrate --method dn", {{"inertial data", imu}, {"GNSS data", gnss}, {"pairs", pairs}},
       [&] { return WhatCalibrateDoes(flight); });
   add("calibrate --method gh",
-      {{"a trajectory", flight.trajectory.has_value()},
+      {{one, one_scanner},
+       {"a trajectory", flight.trajectory.has_value() || (matches && imu && gnss)},
        {"pairs", pairs},
        {"pairs inside the trajectory", !flight.counts.contains("pairs outside the trajectory")}},
-      [&] {
-        return fmt::format("boresight from {} pairs on {}", flight.pairs->pairs.size(),
-                           flight.config.trajectory->file);
-      });
+      [&] { return WhatGaussHelmertDoes(flight); });
   add("match",
       {{"the section 'lidar'", flight.config.lidar.has_value()},
        {"strips", strips},
@@ -297,7 +315,8 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
        {"a trajectory, or inertial and GNSS data", flight.trajectory.has_value() || (imu && gnss)}},
       [] { return std::string("point pairs from the overlaps of the strips"); });
   add("georef",
-      {{"a trajectory", flight.trajectory.has_value()},
+      {{one, one_scanner},
+       {"a trajectory", flight.trajectory.has_value()},
        {"the section 'lidar'", flight.config.lidar.has_value()},
        {"strips", strips},
        {"their system (strips_crs)", flight.config.strips_crs != "none"}},
@@ -332,7 +351,9 @@ void SummariseStrips(const std::vector<std::filesystem::path>& files, const Flig
   for (const std::filesystem::path& file : files) {
     const auto reader = OpenStrip(file);
     const std::string note = CheckStripCrs(reader->crs(), crs, file);
-    const std::string name = file.filename().string();
+    const std::string name = NumScanners(config) < 2
+                                 ? file.filename().string()
+                                 : (file.parent_path().filename() / file.filename()).string();
     const std::string count =
         reader->points() ? fmt::format("{} points", *reader->points()) : std::string("text");
     fmt::print("                {}: {}, {}laser vectors{}{}\n", name, count,

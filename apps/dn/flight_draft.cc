@@ -114,22 +114,21 @@ std::size_t CountBeams(const std::filesystem::path& file) {
   return largest >= 0.0 && largest < kMostBeams ? static_cast<std::size_t>(largest) + 1 : 0;
 }
 
-Eigen::Vector3d MainAxis(const Eigen::Vector3d& v) {
-  Eigen::Index axis = 0;
-  v.cwiseAbs().maxCoeff(&axis);
-  return (v[axis] < 0.0 ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
+bool LacksVectors(const fs::path& file) {
+  try {
+    const auto strip = OpenStrip(file);
+    return !strip->has_vectors() && !strip->boresight_rad();
+  } catch (const InvalidInput&) {  // the commands that read strips report it
+    return false;
+  }
 }
 
-std::size_t CountWithoutVectors(const fs::path& folder) {
-  const std::vector<fs::path> files = FindStripFiles(folder);
-  return static_cast<std::size_t>(std::ranges::count_if(files, [](const fs::path& file) {
-    try {
-      const auto strip = OpenStrip(file);
-      return !strip->has_vectors() && !strip->boresight_rad();
-    } catch (const InvalidInput&) {  // the commands that read strips report it
-      return false;
-    }
-  }));
+std::size_t CountWithoutVectors(const std::vector<StripScanner>& scanners) {
+  std::ptrdiff_t count = 0;
+  for (const StripScanner& scanner : scanners) {
+    count += std::ranges::count_if(scanner.strips, LacksVectors);
+  }
+  return static_cast<std::size_t>(count);
 }
 
 std::string ColumnNamesText(const FileContent& content) {
@@ -162,10 +161,30 @@ std::string ListText(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", FormatDouble(v[0]), FormatDouble(v[1]), FormatDouble(v[2]));
 }
 
+/// Returns the keys of the mounting by the axes of the laser vectors.
+std::string MountingText(const ScannerAxes& axes, const std::string& indent) {
+  Eigen::Matrix3d R_bs;
+  R_bs << axes.scan_s.transpose(), axes.nadir_s.cross(axes.scan_s).transpose(),
+      axes.nadir_s.transpose();
+  const std::string lines[] = {
+      "# From the laser vectors: the nadir axis is their main direction, and the scan axis is the",
+      "# one with their smallest component. That the scan axis points forward is a GUESS: reverse",
+      "# it if it points back.",
+      "R_sensor_to_body: " + MatrixText(R_bs),
+      "scan_axis: " + ListText(axes.scan_s),
+      "nadir_axis: " + ListText(axes.nadir_s),
+      "lever_arm_m: [0, 0, 0]        # MISSING: scanner in body, forward right down, m"};
+  std::string text;
+  for (const std::string& line : lines) text += indent + line + "\n";
+  return text;
+}
+
 }  // namespace
 
 FlightDraft::FlightDraft(fs::path folder, const std::vector<FileContent>& contents)
-    : folder_(std::move(folder)), strips_without_vectors_(CountWithoutVectors(folder_)) {
+    : folder_(std::move(folder)),
+      strip_scanners_(FindStripFolders(folder_)),
+      strips_without_vectors_(CountWithoutVectors(strip_scanners_)) {
   for (const FileContent& content : contents) Take(content);
 }
 
@@ -310,22 +329,23 @@ void FlightDraft::SettleSensors() {
 }
 
 void FlightDraft::SettleScanner() {
-  if (pairs_.empty()) return;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
+  if (pairs_.empty()) {
+    std::erase_if(strip_scanners_, [](StripScanner& scanner) { return !SettleAxes(&scanner); });
+    if (strip_scanners_.size() > 1 && strip_scanners_.front().name.empty()) {
+      notes_.push_back("strips/ is not used: each of several scanners needs a folder strips_NAME/");
+      strip_scanners_.erase(strip_scanners_.begin());
+    }
+    return;
+  }
+  LaserVectorSums sums;
   for (const FileContent& file : pairs_) {
     const TextTable table = ReadTextTable(file.file, {}, '#', 4000);
     if (HasBeams(table)) num_beams_ = std::max(num_beams_, CountBeams(file.file));
     for (std::size_t i = 0; i < table.rows(); ++i) {
-      const Eigen::Map<const Eigen::Vector3d> u(table.row(i) + 2);
-      sum += u;
-      squares += u.cwiseAbs2();
+      sums.Add(Eigen::Map<const Eigen::Vector3d>(table.row(i) + 2));
     }
   }
-  nadir_s_ = MainAxis(sum);
-  squares += 1e12 * nadir_s_.cwiseAbs();
-  Eigen::Index least = 0;
-  squares.minCoeff(&least);
-  scan_axis_s_ = Eigen::Vector3d::Unit(least);
+  axes_ = sums.Axes();
 }
 
 std::string FlightDraft::ImuText() const {
@@ -400,28 +420,36 @@ std::string FlightDraft::GeoreferencingText() const {
 }
 
 std::string FlightDraft::LidarText() const {
-  if (pairs_.empty()) {
-    const std::string georeferencing = GeoreferencingText();
-    return georeferencing.empty() ? "" : "\n# lidar:\n" + georeferencing;
-  }
+  if (pairs_.empty()) return StripLidarText();
   std::string files;
   for (const FileContent& file : pairs_) {
     files += (files.empty() ? "" : ", ") + QuoteYaml(Named(file.file));
   }
-  Eigen::Matrix3d R_bs;
-  R_bs << scan_axis_s_.transpose(), nadir_s_.cross(scan_axis_s_).transpose(), nadir_s_.transpose();
-  return fmt::format(
-      "\nlidar:\n  p2p: [{}]\n"
-      "  # From the laser vectors: the nadir axis is their main direction, and the scan axis is "
-      "the\n"
-      "  # one with their smallest component. That the scan axis points forward is a GUESS: "
-      "reverse\n"
-      "  # it if it points back.\n"
-      "  R_sensor_to_body: {}\n  scan_axis: {}\n  nadir_axis: {}\n"
-      "  lever_arm_m: [0, 0, 0]        # MISSING: scanner in body, forward right down, m\n"
-      "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n{}",
-      files, MatrixText(R_bs), ListText(scan_axis_s_), ListText(nadir_s_),
-      BeamsText() + GeoreferencingText());
+  return fmt::format("\nlidar:\n  p2p: [{}]\n", files) + MountingText(axes_, "  ") +
+         "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n" +
+         BeamsText() + GeoreferencingText();
+}
+
+/// Describes the scanners by their strips alone: one, or a list of those with a name.
+std::string FlightDraft::StripLidarText() const {
+  const std::string georeferencing = GeoreferencingText();
+  if (strip_scanners_.empty()) {
+    return georeferencing.empty() ? "" : "\n# lidar:\n" + georeferencing;
+  }
+  std::string text =
+      "\nlidar:             # pairs: dn match or dn calibrate find them in the strips\n";
+  for (const StripScanner& scanner : strip_scanners_) {
+    const bool listed = !scanner.name.empty();
+    if (listed) text += fmt::format("  - name: {}\n", QuoteYaml(scanner.name));
+    const std::string indent = listed ? "    " : "  ";
+    text +=
+        fmt::format("{}# The beams turn about scan_axis from {:.1f} to {:.1f} deg, from nadir.\n",
+                    indent, scanner.low_deg, scanner.high_deg);
+    text += MountingText(scanner.axes, indent);
+    text +=
+        indent + "sigma_p_m: 0.1                # assumed; the pairs of dn match have their own\n";
+  }
+  return text + georeferencing;
 }
 
 std::string FlightDraft::BeamsText() const {
@@ -515,9 +543,12 @@ std::vector<std::string> FlightDraft::Missing() const {
   if (num_beams_ > 0) {
     missing.emplace_back("lidar.beams: the angles of the beams, and the sigmas of the data sheet");
   }
-  if (pairs_.empty()) missing.emplace_back("no pairs: calibrate needs them");
   if (!pairs_.empty()) {
     missing.emplace_back("lidar.lever_arm_m, lidar.R_sensor_to_body, lidar.sigma_p_m");
+  } else if (!strip_scanners_.empty()) {
+    missing.emplace_back("lidar.lever_arm_m, lidar.R_sensor_to_body of each scanner");
+  } else {
+    missing.emplace_back("no pairs: calibrate needs them");
   }
   return missing;
 }

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "strip_scanner.h"
+
 namespace dn::apps {
 
 /// Draft of a flight.yaml for recognised data files, with findings from the data as comments.
@@ -48,6 +50,7 @@ class FlightDraft {
   std::string ImuText() const;
   std::string GnssText() const;
   std::string LidarText() const;
+  std::string StripLidarText() const;
   std::string BeamsText() const;
   std::string GeoreferencingText() const;
   std::string TrajectoryText() const;
@@ -59,6 +62,7 @@ class FlightDraft {
   std::vector<FileContent> others_;  ///< further files of the kinds above
   std::vector<FileContent> pairs_;
   std::size_t num_beams_ = 0;  ///< that the pairs name; 0: none
+  std::vector<StripScanner> strip_scanners_;
   /// Number of strips that neither contain laser vectors nor record the boresight of their points.
   std::size_t strips_without_vectors_ = 0;
   std::vector<std::string> found_, notes_, axes_notes_;
@@ -68,7 +72,7 @@ class FlightDraft {
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
   std::string imu_summary_, gnss_summary_;
   WhiteNoiseDensities white_;  ///< with a margin
-  Eigen::Vector3d nadir_s_ = Eigen::Vector3d::UnitZ(), scan_axis_s_ = Eigen::Vector3d::UnitX();
+  ScannerAxes axes_;           ///< of the pairs
 };
 
 }  // namespace dn::apps

@@ -1,6 +1,5 @@
 #include <dn/error.h>
 #include <dn/files/atomic_file.h>
-#include <dn/files/strip_files.h>
 #include <dn/names.h>
 #include <fmt/format.h>
 
@@ -71,8 +70,10 @@ void PrintContents(const fs::path& folder, const std::vector<FileContent>& conte
     fmt::print("found    {:<22} {}\n", content.file.lexically_relative(folder).string(),
                KindName(content.kind));
   }
-  for (const fs::path& strip : FindStripFiles(folder)) {
-    fmt::print("found    {:<22} a strip\n", strip.lexically_relative(folder).string());
+  for (const StripScanner& scanner : FindStripFolders(folder)) {
+    for (const fs::path& strip : scanner.strips) {
+      fmt::print("found    {:<22} a strip\n", strip.lexically_relative(folder).string());
+    }
   }
   for (const std::string& text : draft.notes()) fmt::print("note     {}\n", text);
 }

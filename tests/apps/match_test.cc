@@ -241,6 +241,57 @@ TEST(CliMatchLimits, ASearchWithoutEnd) {
   }
 }
 
+TEST_F(Matching, CheckSaysThatStripsAreMatchedForACalibration) {
+  const ProgramRun check = RunProgram({"check", In("flight")});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out,
+              HasSubstr("dn calibrate --method dn  possible: boresight from the pairs of "
+                        "the strips, which it matches first"));
+  EXPECT_THAT(check.out,
+              HasSubstr("dn calibrate --method gh  possible: boresight from the pairs of "
+                        "the strips, which it matches first on a trajectory that it "
+                        "smooths first"));
+}
+
+/// Copies the measurements of a flight alone, and describes them by dn init.
+std::string Described(const fs::path& flight, const fs::path& raw,
+                      const std::vector<std::string>& folders) {
+  fs::create_directory(raw);
+  for (const char* name : {"IMU.txt", "GPS.txt"}) fs::copy(flight / name, raw / name);
+  for (const std::string& name : folders) fs::copy(flight / name, raw / name);
+  const ProgramRun init = RunProgram({"init", raw.string()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out, HasSubstr(folders.back() + "/1.las"));
+  EXPECT_THAT(init.out, Not(HasSubstr("no pairs")));
+  return FileContent(raw / "flight.yaml");
+}
+
+TEST_F(Matching, InitDescribesTheScannerByItsStrips) {
+  const std::string yaml = Described(In("flight"), In("raw"), {"strips"});
+  EXPECT_THAT(yaml, HasSubstr("\n  R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]\n"));
+  EXPECT_THAT(yaml, HasSubstr("\n  scan_axis: [0, 1, 0]\n  nadir_axis: [1, 0, 0]\n"));
+  EXPECT_THAT(yaml, HasSubstr("from -37.5 to 37.5 deg"));
+  const ProgramRun check = RunProgram({"check", In("raw")});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("dn match                  possible"));
+}
+
+TEST_F(Matching, InitDescribesEveryScannerWithAFolder) {
+  fs::create_directory(In("copies"));
+  for (const char* name : {"IMU.txt", "GPS.txt"}) {
+    fs::copy(fs::path(In("flight")) / name, fs::path(In("copies")) / name);
+  }
+  for (const char* name : {"strips_left", "strips_right"}) {
+    fs::copy(In("flight") + "/strips", fs::path(In("copies")) / name);
+  }
+  const std::string yaml = Described(In("copies"), In("raw_two"), {"strips_left", "strips_right"});
+  EXPECT_THAT(yaml, HasSubstr("\n  - name: \"left\"\n"));
+  EXPECT_THAT(yaml, HasSubstr("\n  - name: \"right\"\n"));
+  const ProgramRun check = RunProgram({"check", In("raw_two")});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("strips_right/2.las: "));
+}
+
 constexpr const char* kTwoScanners =
     "lidar=[{name: a, R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], scan_axis: [0, 1, 0], "
     "nadir_axis: [1, 0, 0], boresight_deg: [0.2, 0.03, 0.35], fov_deg: 75, gsd_m: 0.7, "
@@ -256,6 +307,10 @@ TEST_F(MatchingManyRuns, StripsOfTwoScannersGiveTheirRelativeBoresight) {
                   "pairs={count: 0, between: 0}", "--seed", "2", "--out", In("two")});
   ASSERT_EQ(simulate.exit_code, 0) << simulate.err;
   EXPECT_THAT(simulate.out, HasSubstr(" points of a, "));
+  const ProgramRun check = RunProgram({"check", In("two")});
+  EXPECT_THAT(check.out, HasSubstr("strips_b/1.las: "));
+  EXPECT_THAT(check.out, HasSubstr("gh  missing: the choice of a scanner (--scanner)"));
+  EXPECT_THAT(check.out, HasSubstr("dn  possible: boresight, boresight/b from the pairs of"));
   const ProgramRun match = RunProgram({"match", In("two"), "--out", In("two_matched")});
   ASSERT_EQ(match.exit_code, 0) << match.err;
   EXPECT_THAT(match.out, HasSubstr("a_1-b_1"));
