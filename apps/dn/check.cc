@@ -274,7 +274,7 @@ std::string PairWords(const Flight& flight) {
 std::string WhatCalibrateDoes(const Flight& flight) {
   std::vector<std::string> unknowns;
   for (const EstimateEntry& entry : flight.config.estimate) unknowns.push_back(entry.unknown);
-  const std::string text = fmt::format("{} from {}", fmt::join(unknowns, ", "), PairWords(flight));
+  std::string text = fmt::format("{} from {}", fmt::join(unknowns, ", "), PairWords(flight));
   if (!HasPairs(flight)) return text;
   return text + fmt::format(", nodes at {:g} Hz in the strips", NodeRateHz(flight, true));
 }

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <utility>
 
+#include "given_trajectory.h"
 #include "swath_files.h"
 
 namespace dn::apps {

@@ -24,7 +24,7 @@ std::vector<std::pair<std::string, const Named*>> Choices(const std::vector<Name
 }
 
 std::string ReadPhysicsName(const YamlValue& value, const std::vector<DescribedPhysics>& before) {
-  const std::string name = ReadName(value);
+  std::string name = ReadName(value);
   const bool is_word =
       !name.empty() &&
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
