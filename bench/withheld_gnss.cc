@@ -1,7 +1,6 @@
 /// withheld_gnss DATA_DIR [FLIGHT...]: leaves out windows of the GNSS data of measured flights and
 /// smooths the rest with estimated noise. The trajectory is then compared with the data that were
-/// left out. Its
-/// figures are in docs/validation/real-data.md.
+/// left out. Its figures are in docs/validation/real-data.md.
 #include <dn/adjustment/unknown_noise.h>
 #include <dn/builder/gnss_factors.h>
 #include <dn/diagnosis/solution.h>

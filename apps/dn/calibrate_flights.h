@@ -23,8 +23,7 @@ Inputs FleetInputs(const std::vector<std::string>& flights,
 
 /// Calibrates each flight in a process of its own into --out/<flight>, and combines their results.
 /// A flight with a result of the same data and configuration is not calibrated again. `changes`:
-/// --set values for all
-/// flights.
+/// --set values for all flights.
 void CalibrateFlights(const std::vector<std::string>& flights,
                       const std::vector<std::string>& changes, const FleetOptions& options,
                       Run& run);

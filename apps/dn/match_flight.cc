@@ -235,19 +235,23 @@ void AddMatchFiles(const std::string& name, const MatchResult& result, const Mat
   Print(match);
 }
 
+void AddPairFile(const std::string& name, const StripPairMatch& match, const MatchResult& result,
+                 const EndOffsets& offsets, Run& run) {
+  if (match.pairs.empty()) return;
+  std::vector<LidarPair> pairs;
+  for (const MatchedPair& pair : match.pairs) {
+    pairs.push_back(pair.pair);
+    pairs.back().t_i_s += offsets.i_s;
+    pairs.back().t_j_s += offsets.j_s;
+  }
+  run.AddFile(name, FormatPairs(pairs, Weaker(*result.strips[match.i].origin,
+                                              *result.strips[match.j].origin)));
+}
+
 void AddMatches(const MatchedFlight& matched, Run& run) {
   const double offset_s = matched.config.lidar->time_offset_s;
   for (const StripPairMatch& match : matched.result.strip_pairs) {
-    std::vector<LidarPair> pairs;
-    for (const MatchedPair& pair : match.pairs) {
-      pairs.push_back(pair.pair);
-      pairs.back().t_i_s += offset_s;
-      pairs.back().t_j_s += offset_s;
-    }
-    if (pairs.empty()) continue;
-    const auto& strips = matched.result.strips;
-    run.AddFile(PairFile(*matched.source, match),
-                FormatPairs(pairs, Weaker(*strips[match.i].origin, *strips[match.j].origin)));
+    AddPairFile(PairFile(*matched.source, match), match, matched.result, {offset_s, offset_s}, run);
   }
   AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
   AddSwathFiles(matched.result.swaths, matched.source->frame(), &run);

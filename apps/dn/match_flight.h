@@ -74,6 +74,16 @@ FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::pa
 void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
                    Run& run, const Json& more = Json::object());
 
+/// Time offsets of the scanners of the two ends of a pair (LidarConfig::time_offset_s).
+struct EndOffsets {
+  double i_s = 0.0, j_s = 0.0;
+};
+
+/// Stages the file of the pairs of two strips, with the time tags of the scanners. Without any pair
+/// there is no file.
+void AddPairFile(const std::string& name, const StripPairMatch& match, const MatchResult& result,
+                 const EndOffsets& offsets, Run& run);
+
 /// Stages the files of AddMatchFiles and the pair files of a flight.
 void AddMatches(const MatchedFlight& matched, Run& run);
 

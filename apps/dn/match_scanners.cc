@@ -1,7 +1,6 @@
 #include "match_scanners.h"
 
 #include <dn/files/flight.h>
-#include <dn/lidar/pairs.h>
 #include <dn/matching/loop_redundancy.h>
 
 #include <algorithm>
@@ -16,14 +15,6 @@ namespace dn::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-FlightConfig WithOneScanner(const FlightConfig& config, std::size_t scanner) {
-  FlightConfig one = config;
-  one.lidar = LidarConfig(ScannerAt(config, scanner));
-  one.more_scanners.clear();
-  one.pairs_between.clear();
-  return one;
-}
 
 /// Returns the options for matches between scanners: the coarser ground sampling distance. Beams
 /// are kept apart if all scanners have as many.
@@ -61,29 +52,13 @@ std::string PairFile(const MatchedScanners& matched, const StripPairMatch& match
          ".txt";
 }
 
-void AddPairFiles(const MatchedScanners& matched, Run& run) {
-  for (const StripPairMatch& match : matched.result.strip_pairs) {
-    std::vector<LidarPair> pairs;
-    for (const MatchedPair& each : match.pairs) {
-      pairs.push_back(each.pair);
-      pairs.back().t_i_s += matched.Scanner(match.i).time_offset_s;
-      pairs.back().t_j_s += matched.Scanner(match.j).time_offset_s;
-    }
-    if (pairs.empty()) continue;
-    const auto& strips = matched.result.strips;
-    run.AddFile(PairFile(matched, match),
-                FormatPairs(pairs, Weaker(*strips[match.i].origin, *strips[match.j].origin)));
-  }
-}
-
 /// Returns the entry of two scanners, which is appended if there is none.
 PairsBetween& Between(std::size_t i, std::size_t j, FlightConfig* config) {
   for (PairsBetween& entry : config->pairs_between) {
     if (entry.scanner_i == i && entry.scanner_j == j) return entry;
   }
-  const double sigma_p_m =
-      std::hypot(ScannerAt(*config, i).sigma_p_m, ScannerAt(*config, j).sigma_p_m) / std::sqrt(2.0);
-  config->pairs_between.push_back({i, j, {}, sigma_p_m});
+  config->pairs_between.push_back(
+      {i, j, {}, SigmaBetween(ScannerAt(*config, i), ScannerAt(*config, j))});
   return config->pairs_between.back();
 }
 
@@ -109,20 +84,21 @@ MatchedScanners MatchScannerStrips(FlightConfig config, const std::string& traje
   FlightPath path = FindFlightPath(&config, trajectory, run);
   std::vector<ScannersMatchSource::Scanner> scanners;
   for (std::size_t k = 0; k < NumScanners(config); ++k) {
-    matched.each.push_back(OpenStrips(WithOneScanner(config, k), path, filter, run));
+    FlightConfig one = config;
+    KeepScanner(k, &one);
+    matched.each.push_back(OpenStrips(std::move(one), path, filter, run));
     MatchOpened(options, &matched.each.back());
     scanners.push_back({ScannerAt(config, k).name, matched.each.back().source.get()});
   }
   matched.source = std::make_unique<ScannersMatchSource>(std::move(scanners));
-  MatchResult between = MatchScanners(matched.source.get(), OptionsBetween(options, matched.each));
-  matched.result = between;
-  matched.result.strip_pairs.clear();
+  matched.result = MatchScanners(matched.source.get(), OptionsBetween(options, matched.each));
+  std::vector<StripPairMatch> between = std::exchange(matched.result.strip_pairs, {});
   std::size_t first = 0;
   for (const MatchedFlight& one : matched.each) {
     AddOwn(one.result, first, &matched.result);
     first += one.result.strips.size();
   }
-  std::ranges::move(between.strip_pairs, std::back_inserter(matched.result.strip_pairs));
+  std::ranges::move(between, std::back_inserter(matched.result.strip_pairs));
   InflateLoops(&matched.result);
   matched.result.boresight_rad = matched.each.front().result.boresight_rad;
   matched.config = std::move(config);
@@ -131,7 +107,11 @@ MatchedScanners MatchScannerStrips(FlightConfig config, const std::string& traje
 }
 
 void AddMatches(const MatchedScanners& matched, Run& run) {
-  AddPairFiles(matched, run);
+  for (const StripPairMatch& match : matched.result.strip_pairs) {
+    AddPairFile(PairFile(matched, match), match, matched.result,
+                {matched.Scanner(match.i).time_offset_s, matched.Scanner(match.j).time_offset_s},
+                run);
+  }
   AddMatchFiles(matched.config.name, matched.result, *matched.source, run, ScannersJson(matched));
   AddSwathFiles(matched.result.swaths, matched.each.front().source->frame(), &run);
 }

@@ -50,8 +50,8 @@ std::string PointWords(const Json& clouds, const std::string& strip) {
   std::string text;
   for (const Json& cloud : clouds) {
     if (cloud["name"] != strip) continue;
-    text += fmt::format(", {}", cloud["points"].get<std::uint64_t>());
-    if (text.find("points") == std::string::npos) text += " points";
+    text +=
+        fmt::format(", {}{}", cloud["points"].get<std::uint64_t>(), text.empty() ? " points" : "");
     if (cloud.contains("scanner")) text += " of " + cloud["scanner"].get<std::string>();
   }
   return text;

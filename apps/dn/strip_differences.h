@@ -20,8 +20,7 @@ struct StripSurfaces {
 /// Compares all pairs of strips that have at least ten cells in common. Prints a table and returns
 /// the list for georef.json. Writes the differences after the correction as rasters
 /// differences/A-B.asc: second minus first, m, in the system of the points, which
-/// differences/A-B.prj states. Returns an
-/// empty list if no strips overlap.
+/// differences/A-B.prj states. Returns an empty list if no strips overlap.
 Json CompareStrips(const std::vector<StripSurfaces>& strips, const PointCrs& crs, Run* run);
 
 }  // namespace dn::apps

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr std::size_t kPointsPerStrip = 100000;
-constexpr const char* kPrefix = "strips_";
+constexpr std::string_view kPrefix = "strips_";
 
 Vector3d MainAxis(const Vector3d& v) {
   Eigen::Index axis = 0;
@@ -64,22 +65,17 @@ std::vector<StripScanner> FindStripFolders(const fs::path& flight_folder) {
   const auto add = [&](const std::string& name, std::vector<fs::path> strips) {
     if (!strips.empty()) found.push_back({name, std::move(strips), {}, 0.0, 0.0});
   };
-  add("", FindStripFiles(flight_folder));
+  add("", FindStripFiles(flight_folder, ""));
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator at(flight_folder, error), end; at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     std::error_code none;
-    if (name.starts_with(kPrefix) && at->is_directory(none)) names.push_back(name);
+    if (!name.starts_with(kPrefix) || name == kPrefix || !at->is_directory(none)) continue;
+    names.push_back(name.substr(kPrefix.size()));
   }
   std::sort(names.begin(), names.end());
-  for (const std::string& folder : names) {
-    FlightConfig config;
-    config.folder = flight_folder;
-    config.lidar.emplace();
-    config.lidar->name = folder.substr(std::string(kPrefix).size());
-    add(config.lidar->name, FindStripFiles(config, 0));
-  }
+  for (const std::string& name : names) add(name, FindStripFiles(flight_folder, name));
   return found;
 }
 

@@ -22,9 +22,8 @@ struct CellMatch {
 
 /// Registers a square of the ground, then its four quarters, their quarters, and so on. It stops
 /// where the expected three-dimensional sigma of a quarter is 0.25 GSD or more. Each cell starts
-/// with the
-/// shift of the cell that it is part of. The quarters take the place of the cell if they have at
-/// least half of its information; no point then counts twice.
+/// with the shift of the cell that it is part of. The quarters take the place of the cell if they
+/// have at least half of its information; no point then counts twice.
 std::vector<CellMatch> MatchCells(const PatchSurface& a, const PatchSurface& b,
                                   const Eigen::Vector3d& start_m, const MatchCellsOptions& options);
 

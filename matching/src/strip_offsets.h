@@ -7,8 +7,7 @@ namespace dn::matching_internal {
 
 /// Returns the shift between two strips (p_i - p_j with the initial alignment, at the centre of the
 /// pairs) and its sigma. Also returns the scatter of the pairs about a plane over east and north.
-/// Returns null
-/// for fewer than four pairs.
+/// Returns null for fewer than four pairs.
 Json OffsetJson(const StripPairMatch& match);
 
 /// Returns the closure of each loop of three strips. It is the sum of the shifts i - j, j - k and k

@@ -174,8 +174,8 @@ void MoveBlocks(const std::vector<BlockId>& blocks, const Eigen::VectorXd& step,
 }
 
 /// Returns the largest change of the residuals that a linear function does not explain, as a norm.
-/// The neighbours move by one sigma of the prior in any direction. The
-/// change grows with the square of the movement. Infinite if a factor is undefined there.
+/// The neighbours move by one sigma of the prior in any direction. The change grows with the square
+/// of the movement. Infinite if a factor is undefined there.
 double Nonlinearity(const Part& part, const Reduced& reduced, const Compressed& prior,
                     int threads) {
   const LinearizedNetwork start(part.network(), threads);

@@ -88,8 +88,7 @@ class ToyFleet {
 
   /// Returns the joint adjustment of all flights with one boresight, the sensor's effects and a
   /// clock per flight. The result is the mean and covariance of boresight and sensor's effects.
-  /// With `walk_rad`, the
-  /// boresight is that of the last flight.
+  /// With `walk_rad`, the boresight is that of the last flight.
   std::pair<VectorXd, MatrixXd> AdjustJointly(double walk_rad = 0.0) const {
     const auto count = static_cast<Index>(flights.size());
     const Index clocks = 3 * count, sensor = clocks + count, n = sensor + kSensor;

@@ -11,8 +11,7 @@ namespace dn::page_internal {
 
 /// Returns the certificate that a calibration prints instead of its page, on two sheets of paper.
 /// It has the verdict, angles with sigmas, covariance, sensors, control by pairs, and hashes of the
-/// inputs.
-/// `calibrated` is the result to use.
+/// inputs. `calibrated` is the result to use.
 std::vector<Section> Certificate(const ResultFolder& folder, const Calibrated& calibrated);
 
 }  // namespace dn::page_internal

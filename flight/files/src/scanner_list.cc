@@ -4,7 +4,6 @@
 #include <dn/names.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "config_sections.h"
@@ -47,11 +46,9 @@ PairsBetween ReadBetween(const YamlValue& item, const std::vector<std::string>& 
                             : std::vector<std::string>{"lidar_" + names[between.scanner_i] + "_" +
                                                        names[between.scanner_j] + "/*.txt"};
   if (between.p2p.empty()) item["p2p"].Fail("must name at least one file");
-  const double i_m = scanners[between.scanner_i].sigma_p_m;
-  const double j_m = scanners[between.scanner_j].sigma_p_m;
   between.sigma_p_m = item["sigma_p_m"]
                           ? ReadPositive(item["sigma_p_m"])
-                          : std::max(kLeastSigmaM, std::sqrt(0.5 * (i_m * i_m + j_m * j_m)));
+                          : SigmaBetween(scanners[between.scanner_i], scanners[between.scanner_j]);
   return between;
 }
 
@@ -102,9 +99,7 @@ std::vector<std::string> ReadScanners(const YamlValue& root, FlightConfig* confi
     root["pairs_between"].Fail("needs a list of scanners under lidar");
   }
   if (!selected) return names;
-  config->lidar = LidarConfig(ScannerAt(*config, FindScanner(selected, names)));
-  config->more_scanners.clear();
-  config->pairs_between.clear();
+  KeepScanner(FindScanner(selected, names), config);
   return names;
 }
 

@@ -2,7 +2,11 @@
 #include <dn/files/scanners.h>
 #include <dn/names.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "config_sections.h"
 
 namespace dn {
 namespace {
@@ -34,6 +38,17 @@ std::size_t NumScanners(const FlightConfig& config) {
 
 const LidarConfig& ScannerAt(const FlightConfig& config, std::size_t k) {
   return k == 0 ? *config.lidar : config.more_scanners[k - 1];
+}
+
+void KeepScanner(std::size_t k, FlightConfig* config) {
+  config->lidar = LidarConfig(ScannerAt(*config, k));
+  config->more_scanners.clear();
+  config->pairs_between.clear();
+}
+
+double SigmaBetween(const LidarConfig& i, const LidarConfig& j) {
+  return std::max(files_internal::kLeastSigmaM,
+                  std::sqrt(0.5 * (i.sigma_p_m * i.sigma_p_m + j.sigma_p_m * j.sigma_p_m)));
 }
 
 LidarConfig& ScannerAt(FlightConfig& config, std::size_t k) {

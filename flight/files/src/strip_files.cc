@@ -81,15 +81,22 @@ std::vector<fs::path> FindClouds(const fs::path& folder) {
   return files;
 }
 
+fs::path StripFolder(const fs::path& flight_folder, const std::string& scanner) {
+  return flight_folder / (scanner.empty() ? "strips" : "strips_" + scanner);
+}
+
 fs::path StripFolder(const FlightConfig& config, std::size_t scanner) {
-  const std::string name = config.lidar ? ScannerAt(config, scanner).name : "";
-  return config.folder / (name.empty() ? "strips" : "strips_" + name);
+  return StripFolder(config.folder, config.lidar ? ScannerAt(config, scanner).name : "");
 }
 
 }  // namespace
 
 std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
-  return FindClouds(flight_folder / "strips");
+  return FindStripFiles(flight_folder, std::string());
+}
+
+std::vector<fs::path> FindStripFiles(const fs::path& flight_folder, const std::string& scanner) {
+  return FindClouds(StripFolder(flight_folder, scanner));
 }
 
 std::vector<fs::path> FindStripFiles(const FlightConfig& config, std::size_t scanner) {

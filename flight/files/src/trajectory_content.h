@@ -22,8 +22,7 @@ std::optional<TrajectoryColumns> FindTrajectoryColumns(const TextTable& table);
 
 /// Returns the share of the moving rows whose heading is near the course. It is that of the better
 /// convention of the columns of FindTrajectoryColumns, for an upright body. Returns nullopt if too
-/// few rows
-/// move.
+/// few rows move.
 std::optional<double> CourseAgreement(const TextTable& table);
 
 /// Least course agreement of an attitude.

@@ -53,8 +53,7 @@ class LayeredItem {
 /// State has a constructor from `const Last&` and a member `last`. In version 3 of the items, the
 /// point before predicts the first point after a return to a channel. That point then replaces the
 /// value of the other channel. This error of the first programs is part of the format. Version 4
-/// uses the
-/// last point of the channel.
+/// uses the last point of the channel.
 template <class State, class Last>
 class Channels {
  public:

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "random_walk.h"
 #include "scan_angle.h"
 
 namespace dn {
@@ -173,11 +174,9 @@ Json DrawLidarClockWalk(const FlightTimes& times, Random& random) {
   const double begin_s = FirstLidarTag(times) - kWalkStep_s;
   const auto steps = static_cast<int>(std::ceil((LastLidarTag(times) - begin_s) / kWalkStep_s)) + 1;
   const double step_sigma_s = Sized(2e-4, random) / std::sqrt(static_cast<double>(steps));
-  Json shifts_s = Json::array({0.0});
-  for (int i = 0; i < steps; ++i) {
-    shifts_s.push_back(shifts_s.back().get<double>() + step_sigma_s * random.Normal());
-  }
-  return {{"begin_s", begin_s}, {"step_s", kWalkStep_s}, {"shifts_s", shifts_s}};
+  return {{"begin_s", begin_s},
+          {"step_s", kWalkStep_s},
+          {"shifts_s", DrawRandomWalk(steps, step_sigma_s, random)}};
 }
 
 OwnErrors LidarClockWalk(const Json& p, const Scenario&) {
@@ -185,12 +184,7 @@ OwnErrors LidarClockWalk(const Json& p, const Scenario&) {
   const auto shifts_s = p.at("shifts_s").get<std::vector<double>>();
   OwnErrors own;
   own.lidar_tag_shift_s = [=](double t_s) {
-    const double last = static_cast<double>(shifts_s.size()) - 2.0;
-    const double steps = (t_s - begin_s) / step_s;
-    const double whole = std::clamp(std::floor(steps), 0.0, last);
-    const auto k = static_cast<std::size_t>(whole);
-    const double past = std::clamp(steps - whole, 0.0, 1.0);
-    return shifts_s[k] + past * (shifts_s[k + 1] - shifts_s[k]);
+    return RandomWalkAt(shifts_s, (t_s - begin_s) / step_s);
   };
   return own;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "random_walk.h"
+
 namespace dn {
 namespace {
 
@@ -57,24 +59,13 @@ Json DrawWalk(double, double, const FlightTimes& times, Random& random) {
   const double length_s = times.strips.back().t1_s - times.strips.front().t0_s;
   const auto steps = static_cast<int>(std::ceil(length_s / kStepOfWalk_s)) + 1;
   const double step_sigma = 1.0 / std::sqrt(static_cast<double>(steps));
-  Json values = Json::array({0.0});
-  for (int i = 0; i < steps; ++i) {
-    values.push_back(values.back().get<double>() + step_sigma * random.Normal());
-  }
-  return {{"step_s", kStepOfWalk_s}, {"values", values}};
+  return {{"step_s", kStepOfWalk_s}, {"values", DrawRandomWalk(steps, step_sigma, random)}};
 }
 
 Function Walk(const Json& drawn) {
   const double step_s = drawn.at("step_s");
   const auto values = drawn.at("values").get<std::vector<double>>();
-  return [=](double x) {
-    const double steps = x / step_s;
-    const double whole =
-        std::clamp(std::floor(steps), 0.0, static_cast<double>(values.size()) - 2.0);
-    const auto k = static_cast<std::size_t>(whole);
-    const double past = std::clamp(steps - whole, 0.0, 1.0);
-    return values[k] + past * (values[k + 1] - values[k]);
-  };
+  return [=](double x) { return RandomWalkAt(values, x / step_s); };
 }
 
 Json DrawPerStrip(double, double, const FlightTimes& times, Random& random) {

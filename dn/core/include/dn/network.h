@@ -300,8 +300,7 @@ class Network {
   ///
   /// `function` takes one `const auto&` per block. It is a vector or quaternion (Eigen map) of T.
   /// For a Scalar it is a T, for a Pose a Transform<T>, for a user's own kind its View. T is double
-  /// or
-  /// ceres::Jet. The function returns R residuals: a T, an Eigen vector of fixed size (end an
+  /// or ceres::Jet. The function returns R residuals: a T, an Eigen vector of fixed size (end an
   /// expression with .eval()), or a std::optional of one of these. An empty optional means that the
   /// model is undefined. Other shapes do not compile.
   template <class Function, int R, class... Kinds>

@@ -60,8 +60,7 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// Throws InvalidInput with file:line if a time is not a second of week, or a covariance is not
 /// positive definite. Also throws if a beam is not an integer from -1 (several beams) to 1023. Also
 /// throws if a vector is shorter than 1 mm or longer than 50 km. The same holds if a pattern
-/// matches no file,
-/// and without pairs.
+/// matches no file, and without pairs.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns,
                    double time_offset_s = 0.0);
 

@@ -11,9 +11,8 @@ namespace dn {
 
 /// Returns the time span of a network: from the first to the last GNSS or pair epoch that the IMU
 /// data cover. A piece of less than 10 s before the first or after the last gap of the IMU data is
-/// left out unless pairs need it. Its heading would be unknown. The GNSS epochs are
-/// the time
-/// tags corrected by the calibration (GnssEpochTime). Throws InvalidInput if fewer than three GNSS
+/// left out unless pairs need it. Its heading would be unknown. The GNSS epochs are the time tags
+/// corrected by the calibration (GnssEpochTime). Throws InvalidInput if fewer than three GNSS
 /// epochs lie inside the IMU data.
 TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
                          const CalibrationState& calibration = {});

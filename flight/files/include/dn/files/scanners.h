@@ -17,6 +17,13 @@ std::size_t NumScanners(const FlightConfig& config);
 const LidarConfig& ScannerAt(const FlightConfig& config, std::size_t k);
 LidarConfig& ScannerAt(FlightConfig& config, std::size_t k);
 
+/// Leaves only scanner k, without pairs between scanners.
+void KeepScanner(std::size_t k, FlightConfig* config);
+
+/// Returns the sigma of pairs between two scanners without a stated one: the root mean square of
+/// theirs, at least 1e-12 m.
+double SigmaBetween(const LidarConfig& i, const LidarConfig& j);
+
 /// Returns the names of the scanners; that of a scanner without a list is empty.
 std::vector<std::string> ScannerNames(const FlightConfig& config);
 

@@ -15,6 +15,11 @@ namespace dn {
 /// `strips` of its data. Circular links are left out. The list is empty if there is no such folder.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
+/// Returns the point clouds of one scanner of a flight: those in `strips_SCANNER`, or in `strips`
+/// for an empty name.
+std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder,
+                                                  const std::string& scanner);
+
 /// Returns the point clouds of the scanners of a configuration: those in the folder `strips`, or in
 /// `strips_NAME` for a scanner of a list.
 std::vector<std::filesystem::path> FindStripFiles(const FlightConfig& config);
