@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "calibrate_flights.h"
 #include "calibrate_planes.h"
@@ -293,6 +294,9 @@ void FailUnlessReliable(const std::vector<NamedBoresight>& results) {
   }
 }
 
+/// Boresights by the name of their scanner; that of a flight without a list has no name.
+using BoresightByScanner = std::map<std::string, const BoresightResult*>;
+
 /// A flight adjusted by the dynamic network, with the calibration results.
 struct NetworkRun {
   std::unique_ptr<FlightRun> flight_run;
@@ -310,6 +314,17 @@ struct NetworkRun {
       all.push_back({"the boresight of scanner " + scanner.name, &scanner.boresight});
     }
     all.push_back({kTheBoresight, &boresight});
+    return all;
+  }
+
+  BoresightByScanner ByScanner() const {
+    if (mountings.scanners.empty()) {
+      return {{flight_run->flight.config.lidar->name, &boresight}};
+    }
+    BoresightByScanner all;
+    for (const ScannerBoresight& scanner : mountings.scanners) {
+      all.emplace(scanner.name, &scanner.boresight);
+    }
     return all;
   }
 };
@@ -381,30 +396,47 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
   FillReport(flight_run, run);
 }
 
-/// Stages the strips of the flight with the boresight, unless that is not reliable. `adjusted`: the
-/// trajectory of the network; null: that of the flight.
-void AddNewStrips(const FlightConfig& config, const BoresightResult& boresight,
-                  const std::vector<BeamCorrections>& beams, const Trajectory* adjusted, Run* run) {
-  if (boresight.verdict == Verdict::kContradicted || boresight.verdict == Verdict::kNotObservable) {
-    run->progress().Warn(fmt::format("the strips are not georeferenced: the boresight is {}",
-                                     Word(boresight.verdict)));
-    return;
+/// Returns whether points can be computed with the boresights; tells the user if not.
+bool AreUsable(const BoresightByScanner& boresights, Run* run) {
+  for (const auto& [scanner, boresight] : boresights) {
+    const Verdict verdict = boresight->verdict;
+    if (verdict != Verdict::kContradicted && verdict != Verdict::kNotObservable) continue;
+    run->progress().Warn(fmt::format("the strips are not georeferenced: the boresight{} is {}",
+                                     scanner.empty() ? "" : " of scanner " + scanner,
+                                     Word(verdict)));
+    return false;
   }
+  return true;
+}
+
+/// Stages the strips of the flight with the boresights of its scanners, unless one of them is not
+/// reliable. A scanner without an estimate keeps its stated boresight. `adjusted`: the trajectory
+/// of the network; null: that of the flight.
+void AddNewStrips(const FlightConfig& config, const BoresightByScanner& boresights,
+                  const std::vector<BeamCorrections>& beams, const Trajectory* adjusted, Run* run) {
+  if (!AreUsable(boresights, run)) return;
   NewStrips work;
   work.config = config;
   const bool own = HasTrajectory(config);
   Flight flight = ReadFlight(config, {.trajectory = own});
   work.frame = flight.frame;
-  GeoreferenceOptions& options = work.options;
-  options = StatedGeoreferencing(config, run->options().threads);
-  options.mounting.boresight_rad = boresight.angles_rad;
-  options.beams = ObservedErrors(beams, *config.lidar);
+  GeoreferenceOptions trajectories;
+  trajectories.threads = run->options().threads;
   if (adjusted != nullptr) {
-    options.trajectory = *adjusted;
+    trajectories.trajectory = *adjusted;
     work.config = WithTrajectory(config, (run->options().out / "trajectory.out").string());
-    options.made_by = std::move(flight.trajectory);
+    trajectories.made_by = std::move(flight.trajectory);
   } else {
-    options.trajectory = std::move(*flight.trajectory);
+    trajectories.trajectory = std::move(*flight.trajectory);
+  }
+  for (FlightConfig& scanner : GeoreferenceableScanners(work.config)) {
+    GeoreferenceOptions options = StatedGeoreferencing(scanner, trajectories);
+    const auto estimate = boresights.find(scanner.lidar->name);
+    if (estimate != boresights.end()) {
+      options.mounting.boresight_rad = estimate->second->angles_rad;
+    }
+    options.beams = ObservedErrors(beams, *scanner.lidar);
+    work.scanners.push_back({std::move(scanner), std::move(options)});
   }
   GeoreferenceStrips(std::move(work), *run);
 }
@@ -416,7 +448,7 @@ void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run
   fmt::print("{}", ScannersSummary(network.mountings));
   fmt::print("{}", BeamsSummary(network.beams, true));
   if (options.georef) {
-    AddNewStrips(network.flight_run->flight.config, network.boresight, network.beams,
+    AddNewStrips(network.flight_run->flight.config, network.ByScanner(), network.beams,
                  &network.flight_run->trajectory, &run);
   }
   FailUnlessReliable(network.Boresights());
@@ -463,7 +495,10 @@ void RunGaussHelmert(const CalibrateOptions& options, const FlightConfig& config
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   FillReport(flight, gh, &run);
   PrintResult(flight.config, gh.calibration, gh.timings);
-  if (options.georef) AddNewStrips(flight.config, gh.calibration.boresight, {}, nullptr, &run);
+  if (options.georef) {
+    AddNewStrips(flight.config, {{flight.config.lidar->name, &gh.calibration.boresight}}, {},
+                 nullptr, &run);
+  }
   FailUnlessReliable({{kTheBoresight, &gh.calibration.boresight}});
 }
 
@@ -501,7 +536,10 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
                                {"solve", planes.timings.solve_s},
                                {"covariance", planes.timings.covariance_s}};
   PrintResult(flight.config, planes);
-  if (options.georef) AddNewStrips(flight.config, planes.calibration.boresight, {}, nullptr, &run);
+  if (options.georef) {
+    AddNewStrips(flight.config, {{flight.config.lidar->name, &planes.calibration.boresight}}, {},
+                 nullptr, &run);
+  }
   FailUnlessReliable({{kTheBoresight, &planes.calibration.boresight}});
 }
 
@@ -574,7 +612,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   fmt::print(
       "use the angles of dn (result.json): it uses all data; the other methods are checks of it\n");
   if (options.georef) {
-    AddNewStrips(network.flight_run->flight.config, network.boresight, network.beams,
+    AddNewStrips(network.flight_run->flight.config, network.ByScanner(), network.beams,
                  &network.flight_run->trajectory, &run);
   }
   FailUnlessReliable(results);
@@ -604,8 +642,9 @@ void CalibrateSeveral(const CalibrateOptions& options, Run& run) {
   };
   refuse(!options.method.empty() && options.method != "dn", "--method");
   refuse(!options.trajectory.empty(), "--trajectory");
-  refuse(options.georef, "--georef");
-  CalibrateFlights(options.flights, options.common.changes, options.fleet, run);
+  FleetOptions fleet = options.fleet;
+  fleet.georef = options.georef;
+  CalibrateFlights(options.flights, options.common.changes, fleet, run);
 }
 
 void Calibrate(const CalibrateOptions& options, Run& run) {
@@ -625,10 +664,9 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
     ExpectOneScanner(config, "--method " + (options.method.empty() ? "gh" : options.method));
   }
   if (options.georef) {
-    ExpectOneScanner(config, "--georef");
-    ExpectGeoreferenceable(config);
-    RequireStripFiles(config);
-    if (methods.dn) ExpectBeamsInStrips(config);
+    for (const FlightConfig& scanner : GeoreferenceableScanners(config)) {
+      if (methods.dn) ExpectBeamsInStrips(scanner);
+    }
   }
   if ((methods.dn || methods.gh) && HasStripsAlone(config)) {
     CalibrateStrips(
@@ -667,9 +705,11 @@ void AddCalibrate(CLI::App* program, Action* action) {
   app->add_option("--trajectory", options->trajectory,
                   "Smoothed trajectory for gh and planes (SBET .out or text). Default: that of "
                   "the flight");
-  app->add_flag("--georef", options->georef,
-                "Also writes the strips of the flight with the new boresight and, by the dynamic "
-                "network, the adjusted trajectory: strips/, as `dn georef` does");
+  app->add_flag(
+      "--georef", options->georef,
+      "Also writes the strips of the flight with the new boresight and, by the dynamic "
+      "network, the adjusted trajectory: strips/, as `dn georef` does. Several flights: those "
+      "of each flight, with the boresight of all");
   AddCommonOptions(app, &options->common, true);
   app->footer(
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");

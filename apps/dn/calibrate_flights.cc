@@ -7,22 +7,20 @@
 #include <dn/files/scanners.h>
 #include <dn/fleet/fleet.h>
 #include <dn/fleet/reduced_flight.h>
-#include <dn/interrupted.h>
-#include <dn/parallel.h>
 #include <dn/stopwatch.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <mutex>
 #include <optional>
 #include <utility>
 
-#include "child_process.h"
+#include "fleet_clouds.h"
 #include "flight_identity.h"
+#include "flight_processes.h"
 #include "input_files.h"
-#include "interruption.h"
 #include "json_file.h"
+#include "new_strips.h"
 #include "option_checks.h"
 #include "read_text.h"
 
@@ -32,7 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kReduced = "reduced.json";
-constexpr int kInterruptedCode = 130;
 constexpr std::size_t kFewestFlights = 2;
 
 /// One flight of the command line.
@@ -100,6 +97,7 @@ class FleetRun {
     ReadMembers();
     FindAcross();
     ExpectOneMounting();
+    if (options_.georef) ExpectStrips();
     run_.progress().Stage("reading the data's hashes");
     for (Member& member : members_) FindEarlier(&member);
     ExpectDifferent();
@@ -111,6 +109,7 @@ class FleetRun {
     const FleetResult fleet = AdjustFleet(flights, shared_);
     Write(fleet, calibrate_s, watch.seconds());
     FailUnlessReliable(fleet);
+    if (options_.georef) GeoreferenceFlights(Clouds(fleet), changes_, options_.at_once, &run_);
   }
 
  private:
@@ -176,6 +175,30 @@ class FleetRun {
     }
   }
 
+  void ExpectStrips() const {
+    for (const Member& member : members_) {
+      if (!member.config) {
+        throw InvalidConfig(member.argument +
+                            " is the result of a flight, without its point clouds: give the "
+                            "flight instead (an earlier result in --out is used), or leave out "
+                            "--georef");
+      }
+      GeoreferenceableScanners(*member.config);
+    }
+  }
+
+  /// Returns the flights of the result, each with the boresight of its points: that of all flights,
+  /// or with a random walk its own.
+  std::vector<FleetClouds> Clouds(const FleetResult& fleet) const {
+    std::vector<FleetClouds> clouds;
+    for (const FleetFlight& flight : fleet.flights) {
+      const auto member = std::ranges::find(members_, flight.name, &Member::name);
+      clouds.push_back({flight.name, member->argument, member->folder,
+                        fleet.constant ? fleet.boresight.angles_rad : flight.alone.rad});
+    }
+    return clouds;
+  }
+
   /// Takes the earlier result of a flight if it is of the same data and configuration.
   void FindEarlier(Member* member) const {
     if (!member->config) return;
@@ -218,56 +241,22 @@ class FleetRun {
       if (!member.ready) missing.push_back(&member);
     }
     if (missing.empty()) return;
-    const int at_once = std::min(options_.at_once, static_cast<int>(missing.size()));
-    const int threads = std::max(1, run_.options().threads / at_once);
-    const auto count = static_cast<int>(missing.size());
-    std::mutex mutex;
-    int done = 0;
-    ParallelFor(count, at_once, [&](int k) {
-      Member* member = missing[static_cast<std::size_t>(k)];
-      const auto tell = [&](int finished) {
-        const std::lock_guard lock(mutex);
-        done += finished;
-        run_.progress().Stage("flights",
-                              Share{static_cast<double>(done), static_cast<double>(count), ""});
-      };
-      tell(0);
-      CalibrateOne(threads, member);
-      tell(1);
-    });
+    ForFlights(missing.size(), options_.at_once, "flights", &run_,
+               [&](std::size_t k, int threads) { CalibrateOne(threads, missing[k]); });
   }
 
-  /// Calibrates a flight in a process of its own, whose memory is free again afterwards.
   void CalibrateOne(int threads, Member* member) const {
-    std::vector<std::string> command{kThisProgram, "calibrate", member->argument};
-    for (const std::string& change : changes_) command.insert(command.end(), {"--set", change});
-    command.insert(command.end(),
-                   {"--threads", std::to_string(threads), "--out", member->folder.string()});
-    fs::path log = member->folder;
-    log += ".log";
-    ProcessLimits limits;
-    limits.interrupted = [] { return SignalReceived(); };
-    const ProcessUsage usage = RunProgram(command, log, limits);
-    if (usage.exit_code == kInterruptedCode) throw dn::Interrupted();
+    std::vector<std::string> words{"calibrate", member->argument};
+    for (const std::string& change : changes_) words.insert(words.end(), {"--set", change});
+    words.insert(words.end(), {"--threads", std::to_string(threads)});
+    const int exit_code = RunIntoFolder(words, member->folder);
     if (IsThere(member->folder / kReduced) && TakeResult(member)) {
       std::error_code none;
-      fs::remove(log, none);
+      fs::remove(LogFile(member->folder), none);
       return;
     }
     if (!member->failure.empty()) return;
-    member->failure =
-        usage.exit_code > kFirstSignal
-            ? fmt::format("its calibration was ended by signal {}", usage.exit_code - kFirstSignal)
-            : FailureText(*member, log);
-  }
-
-  static std::string FailureText(const Member& member, const fs::path& log) {
-    try {
-      const Json report = ReadJsonFile(member.folder / "report.json");
-      return JsonPlace(report, "").At("error").At("message").Text();
-    } catch (const InvalidInput&) {
-      return "its calibration failed; see " + log.string();
-    }
+    member->failure = FailureText(exit_code, member->folder, "its calibration");
   }
 
   /// Returns the flights of the calibration, and notes the others.

@@ -12,6 +12,7 @@ struct FleetOptions {
   std::string across;                 ///< section `across` as YAML; empty: that of the flights
   int at_once = 1;                    ///< flights that are calibrated at the same time
   bool include_uncalibrated = false;  ///< also takes flights whose verdict is not `calibrated`
+  bool georef = false;                ///< also georeferences the strips of each flight
 };
 
 /// Adds --across, --at-once and --include-uncalibrated.
@@ -23,7 +24,7 @@ Inputs FleetInputs(const std::vector<std::string>& flights,
 
 /// Calibrates each flight in a process of its own into --out/<flight>, and combines their results.
 /// A flight with a result of the same data and configuration is not calibrated again. `changes`:
-/// --set values for all flights.
+/// --set values for all flights. With `georef`, the strips of each flight get new coordinates.
 void CalibrateFlights(const std::vector<std::string>& flights,
                       const std::vector<std::string>& changes, const FleetOptions& options,
                       Run& run);

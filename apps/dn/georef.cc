@@ -4,6 +4,7 @@
 #include <dn/files/accuracy_files.h>
 #include <dn/files/flight.h>
 #include <dn/files/georeference_strip.h>
+#include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/files/yaml_sections.h>
 #include <dn/geo/text_table.h>
@@ -196,7 +197,7 @@ void ExpectTrajectory(const GeorefOptions& options, bool own) {
 }
 
 StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,
-                       const std::optional<StoredBoresight>& result) {
+                       const StoredBoresight* result) {
   const TrajectoryConfig& trajectory = *config.trajectory;
   StripErrors errors;
   const AccuracyFiles files = FindAccuracyFiles(config);
@@ -204,7 +205,7 @@ StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,
   errors.sigma_ned_m = Vector3d(trajectory.sigma_xy_m, trajectory.sigma_xy_m, trajectory.sigma_z_m);
   errors.sigma_rph_rad =
       Vector3d(trajectory.sigma_rp_rad, trajectory.sigma_rp_rad, trajectory.sigma_y_rad);
-  if (result) errors.boresight_rad2 = result->covariance_rad2;
+  if (result != nullptr) errors.boresight_rad2 = result->covariance_rad2;
   errors.sigma_range_m = options.sigma_range_m;
   errors.sigma_beam_rad = 1e-3 * options.divergence_mrad / kBeamSigmas;
   return errors;
@@ -227,38 +228,64 @@ std::string AdjustedTrajectory(const std::string& file, const StoredBoresight& r
   return fs::exists(beside) ? beside.string() : std::string();
 }
 
-NewStrips Prepare(GeorefOptions given, Run& run) {
-  const FlightConfig config = ReadFlightConfig(given.flight, given.common.changes);
-  ExpectGeoreferenceable(config);
-  std::optional<Vector3d> boresight_rad;
-  if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
-  std::optional<StoredBoresight> result;
-  if (!given.result.empty()) result = ReadResult(given.result, config.lidar->name);
-  if (result) CheckVerdict(given, *result, run);
-  if (result && given.trajectory.empty()) {
-    given.trajectory = AdjustedTrajectory(given.result, *result);
+/// Returns the result of each scanner; none without --result. Throws InvalidInput if the verdict of
+/// one forbids its use.
+std::vector<StoredBoresight> ReadResults(const GeorefOptions& given,
+                                         const std::vector<FlightConfig>& scanners, Run& run) {
+  std::vector<StoredBoresight> results;
+  if (given.result.empty()) return results;
+  for (const FlightConfig& scanner : scanners) {
+    results.push_back(ReadResult(given.result, scanner.lidar->name));
+    CheckVerdict(given, results.back(), run);
   }
-  if (result && !boresight_rad) boresight_rad = result->angles_rad;
-  const bool own = HasTrajectory(config);
-  ExpectTrajectory(given, own);
-  run.progress().Stage("reading " + config.folder.string());
-  Flight flight =
-      ReadFlight(own ? config : WithTrajectory(config, given.trajectory), {.trajectory = true});
+  return results;
+}
 
-  NewStrips work;
-  work.config = WithTrajectory(flight.config, given.trajectory);
-  work.frame = flight.frame;
-  GeoreferenceOptions& options = work.options;
-  options = StatedGeoreferencing(config, run.options().threads);
+/// Reads the trajectories of the new points and of the old ones. Sets the frame, and the
+/// trajectory of the configuration.
+GeoreferenceOptions ReadTrajectories(const GeorefOptions& given, FlightConfig* config,
+                                     LocalFrame* frame) {
+  const bool own = HasTrajectory(*config);
+  ExpectTrajectory(given, own);
+  Flight flight =
+      ReadFlight(own ? *config : WithTrajectory(*config, given.trajectory), {.trajectory = true});
+  *frame = flight.frame;
+  GeoreferenceOptions options;
   options.trajectory = std::move(*flight.trajectory);
   if (own && !given.trajectory.empty()) {
     options.made_by =
-        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
+        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(*config)));
   }
-  if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
-  if (result && given.boresight.empty()) options.beams = FindBeams(*result, *config.lidar);
-  if (given.covariance) options.errors = ReadErrors(given, work.config, result);
+  *config = WithTrajectory(std::move(flight.config), given.trajectory);
+  return options;
+}
+
+NewStrips Prepare(GeorefOptions given, Run& run) {
+  NewStrips work;
+  work.config = ReadFlightConfig(given.flight, given.common.changes);
+  std::optional<Vector3d> boresight_rad;
+  if (!given.boresight.empty()) {
+    ExpectOneScanner(work.config, "--boresight");
+    boresight_rad = ParseAngles(given.boresight);
+  }
+  const std::vector<StoredBoresight> results =
+      ReadResults(given, GeoreferenceableScanners(work.config), run);
+  if (!results.empty() && given.trajectory.empty()) {
+    given.trajectory = AdjustedTrajectory(given.result, results.front());
+  }
+  run.progress().Stage("reading " + work.config.folder.string());
+  GeoreferenceOptions trajectories = ReadTrajectories(given, &work.config, &work.frame);
+  trajectories.threads = run.options().threads;
   work.covariance = CovarianceJson(given, work.config);
+  for (FlightConfig& scanner : GeoreferenceableScanners(work.config)) {
+    const StoredBoresight* result = results.empty() ? nullptr : &results[work.scanners.size()];
+    GeoreferenceOptions options = StatedGeoreferencing(scanner, trajectories);
+    if (result != nullptr) options.mounting.boresight_rad = result->angles_rad;
+    if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
+    if (result != nullptr && !boresight_rad) options.beams = FindBeams(*result, *scanner.lidar);
+    if (given.covariance) options.errors = ReadErrors(given, scanner, result);
+    work.scanners.push_back({std::move(scanner), std::move(options)});
+  }
   return work;
 }
 

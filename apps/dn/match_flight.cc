@@ -5,6 +5,7 @@
 #include <dn/files/scanners.h>
 #include <dn/files/strip_files.h>
 #include <dn/lidar/strip_io.h>
+#include <dn/matching/loop_redundancy.h>
 #include <dn/matching/match_output.h>
 #include <fmt/format.h>
 
@@ -176,6 +177,7 @@ MatchedFlight MatchFlightStrips(FlightConfig given, const std::string& trajector
                                 const MatchOptions& options, const PointFilter& filter, Run& run) {
   MatchedFlight matched = OpenFlightStrips(std::move(given), trajectory, filter, run);
   MatchOpened(options, &matched);
+  InflateLoops(&matched.result);
   return matched;
 }
 

@@ -4,31 +4,41 @@
 #include <dn/geo/local_frame.h>
 #include <dn/report/json.h>
 
+#include <vector>
+
 #include "command.h"
 
 namespace dn::apps {
 
+/// Input of a georeferencing of the strips of one scanner, except the points.
+struct ScannerStrips {
+  FlightConfig config;  ///< of this scanner alone
+  GeoreferenceOptions options;
+};
+
 /// Input of a georeferencing of all strips of a flight, except the points.
 struct NewStrips {
-  FlightConfig config;  ///< names the trajectory of the new points
+  FlightConfig config;  ///< of all scanners; names the trajectory of the new points
+  std::vector<ScannerStrips> scanners;
   LocalFrame frame{Geodetic{}};
-  GeoreferenceOptions options;
   Json covariance = nullptr;  ///< origin of the covariances, for georef.json
 };
 
-/// Returns what the configuration says of georeferencing; the trajectories are left out.
-GeoreferenceOptions StatedGeoreferencing(const FlightConfig& config, int threads);
+/// Adds what the configuration of a scanner says of georeferencing to the trajectories and threads.
+GeoreferenceOptions StatedGeoreferencing(const FlightConfig& scanner,
+                                         GeoreferenceOptions trajectories);
 
-/// Throws InvalidConfig if the flight has no scanner or its points are in an unknown system.
-void ExpectGeoreferenceable(const FlightConfig& config);
+/// Returns the configuration of each scanner that has strips. Throws InvalidConfig if the flight
+/// has no scanner or its points are in an unknown system, and InvalidInput if it has no strips.
+std::vector<FlightConfig> GeoreferenceableScanners(const FlightConfig& config);
 
-/// Throws InvalidInput if the corrections of beams could not be applied: the scanner has several
-/// beams, but the first points of a strip have no laser vectors or no beams.
+/// Throws InvalidInput if the corrections of beams could not be applied: the scanner (one) has
+/// several beams, but the first points of a strip have no laser vectors or no beams.
 void ExpectBeamsInStrips(const FlightConfig& config);
 
-/// Georeferences all strips of a flight, stages strips/ and georef.json, and prints a table. Stages
-/// swaths.json and swaths.geojson unless they are staged already. Throws InvalidInput if a strip
-/// fails.
+/// Georeferences all strips of a flight and prints a table. Stages georef.json and the strips, in
+/// folders with the names of the old ones. Stages swaths.json and swaths.geojson unless they are
+/// staged already. Throws InvalidInput if a strip fails.
 void GeoreferenceStrips(NewStrips work, Run& run);
 
 }  // namespace dn::apps

@@ -6,6 +6,7 @@
 
 #include "load_json.h"
 #include "run_program.h"
+#include "strip_scenario.h"
 #include "testing/temp_folder.h"
 
 namespace dn::testing::apps_test {
@@ -157,6 +158,42 @@ TEST_F(CliCalibrateFlights, RefusesFlightsThatDoNotBelongTogether) {
   reduced["mounting"]["lidar_lever_arm_m"][0] = 3.0;
   folder_->Write("other/reduced.json", reduced.dump());
   expect({day, Path("other").string()}, {}, "differ in lidar.lever_arm_m");
+}
+
+TEST(CliFleetClouds, StripsOfEachFlightGetTheCommonBoresight) {
+  const TempFolder folder;
+  const auto in = [&](const std::string& name) { return (folder.path() / name).string(); };
+  folder.Write("town.yaml", StripScenario("kind: built_up, roughness_m: 0.2"));
+  for (const char* day : {"one", "two"}) {
+    const ProgramRun simulate = RunProgram(
+        {"simulate", in("town.yaml"), "--set", std::string("name=") + day, "--set",
+         "pairs.count=200", "--seed", std::string(day) == "one" ? "5" : "6", "--out", in(day)});
+    ASSERT_EQ(simulate.exit_code, 0) << simulate.err;
+  }
+  const ProgramRun run =
+      RunProgram({"calibrate", in("one"), in("two"), "--georef", "--out", in("fleet")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json result = LoadJson(folder.path() / "fleet/result.json");
+  for (const std::string day : {"one", "two"}) {
+    EXPECT_THAT(run.out, HasSubstr("clouds of flight " + day + ": " + in("fleet/" + day)));
+    const Json georef = LoadJson(folder.path() / "fleet" / day / "clouds/georef.json");
+    EXPECT_EQ(georef["trajectory"], in("fleet/" + day + "/trajectory.out"));
+    EXPECT_TRUE(fs::exists(in("fleet/" + day + "/clouds/strips/1.las")));
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(georef["boresight_deg"][i].get<double>(),
+                  result["boresight"]["angles_deg"][i].get<double>(), 1e-9);
+    }
+  }
+  // A result folder has no clouds, and a flight without strips is refused before it is calibrated.
+  const ProgramRun results =
+      RunProgram({"calibrate", in("fleet/one"), in("two"), "--georef", "--out", in("other")});
+  EXPECT_EQ(results.exit_code, 2);
+  EXPECT_THAT(results.err, HasSubstr("is the result of a flight, without its point clouds"));
+  fs::remove_all(in("two") + "/strips");
+  const ProgramRun none =
+      RunProgram({"calibrate", in("one"), in("two"), "--georef", "--out", in("other")});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_FALSE(fs::exists(in("other/one")));
 }
 
 }  // namespace dn::testing::apps_test

@@ -42,6 +42,7 @@ class Matching : public ::testing::Test {
 
   static std::string In(const std::string& name) { return (folder_->path() / name).string(); }
   static Json Read(const std::string& name) { return Json::parse(FileContent(In(name))); }
+  static void ExpectNewStrips(const std::string& folder);
 
   static std::unique_ptr<TempFolder> folder_;
 };
@@ -301,6 +302,26 @@ constexpr const char* kTwoScanners =
     "lever_arm_m: [0.3, 0, 0.1], boresight_deg: [-0.4, 0.5, 0.1], fov_deg: 75, gsd_m: 0.7, "
     "pulse_rate_hz: 14000}]";
 
+/// Checks the new strips of both scanners: their boresights, and that their heights agree.
+void Matching::ExpectNewStrips(const std::string& folder) {
+  for (const char* strip : {"/strips_a/1.las", "/strips_a/2.las", "/strips_b/1.las"}) {
+    EXPECT_TRUE(fs::exists(In(folder) + strip)) << strip;
+  }
+  const Json result = Read("two_result/result.json"), georef = Read(folder + "/georef.json");
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Json& angles_deg = result["scanners"][k]["boresight"]["angles_deg"];
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(georef["scanners"][k]["boresight_deg"][i].get<double>(),
+                  angles_deg[i].get<double>(), 1e-9);
+    }
+  }
+  ASSERT_EQ(georef["strip_differences"].size(), 6u);  // of every two of four strips
+  const Json& between = georef["strip_differences"][1];
+  EXPECT_EQ(between["raster"], "differences/a_1-b_1.asc");
+  EXPECT_GT(between["before"]["rms_m"].get<double>(), 0.5);
+  EXPECT_LT(between["after"]["rms_m"].get<double>(), 0.05);
+}
+
 TEST_F(MatchingManyRuns, StripsOfTwoScannersGiveTheirRelativeBoresight) {
   const ProgramRun simulate =
       RunProgram({"simulate", In("town.yaml"), "--set", kTwoScanners, "--set",
@@ -320,9 +341,19 @@ TEST_F(MatchingManyRuns, StripsOfTwoScannersGiveTheirRelativeBoresight) {
   const Json matched = Read("two_matched/match.json");
   EXPECT_EQ(matched["strips"].size(), 4u);
   EXPECT_NEAR(matched["scanners"][1]["boresight_used_deg"][1].get<double>(), 0.5, 0.1);
-  const ProgramRun calibrate =
-      RunProgram({"calibrate", In("two_matched/flight.matched.yaml"), "--out", In("two_result")});
+  const ProgramRun calibrate = RunProgram(
+      {"calibrate", In("two_matched/flight.matched.yaml"), "--georef", "--out", In("two_result")});
   ASSERT_EQ(calibrate.exit_code, 0) << calibrate.err;
+  ExpectNewStrips("two_result");
+  const ProgramRun again = RunProgram(
+      {"georef", In("two"), "--result", In("two_result/result.json"), "--out", In("two_clouds")});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  ExpectNewStrips("two_clouds");
+  ExpectPageMatchesFiles(In("two_clouds"), 60);
+  const ProgramRun angles =
+      RunProgram({"georef", In("two"), "--boresight", "0,0,0", "--out", In("two_angles")});
+  EXPECT_EQ(angles.exit_code, 2);
+  EXPECT_THAT(angles.err, HasSubstr("--boresight takes one: add --scanner a"));
   const Json relative = Read("two_result/result.json")["relative_boresight"][0];
   const auto rotation = [](double roll_deg, double pitch_deg, double yaw_deg) {
     return Exp(Eigen::Vector3d(kRadPerDeg * Eigen::Vector3d(roll_deg, pitch_deg, yaw_deg)));

@@ -117,7 +117,6 @@ TEST_F(CliScanners, StripsGetTheBoresightOfTheirScanner) {
 TEST_F(CliScanners, CommandsForOneSaySo) {
   const std::vector<std::vector<std::string>> commands = {
       {"gap", Path("flight"), "--out", Path("gap")},
-      {"georef", Path("flight"), "--out", Path("georef")},
       {"calibrate", Path("flight"), "--method", "gh", "--out", Path("gh")}};
   for (const std::vector<std::string>& command : commands) {
     const ProgramRun run = RunProgram(command);

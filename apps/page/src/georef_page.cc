@@ -8,14 +8,22 @@
 namespace dn::page_internal {
 namespace {
 
+void AddBoresights(const Facts& scanner, const std::string& whose, Table* table) {
+  table->rows.push_back(Row("of the new points" + whose, Three(scanner["boresight_deg"], 5)));
+  table->rows.push_back(
+      Row("of the old points" + whose, Three(scanner["boresight_before_deg"], 5)));
+}
+
 Headline GeorefHeadline(const Facts& georef) {
   Headline headline{
       "georeferenced",
       "The point clouds of this folder were computed with this boresight and this trajectory.",
       Tone::kGood};
   Table table = AngleTable("Boresight [deg]");
-  table.rows = {Row("of the new points", Three(georef["boresight_deg"], 5)),
-                Row("of the old points", Three(georef["boresight_before_deg"], 5))};
+  if (!georef["scanners"]) AddBoresights(georef, "", &table);
+  for (const Facts& scanner : georef["scanners"].elements()) {
+    AddBoresights(scanner, ", scanner " + scanner["name"].text(), &table);
+  }
   headline.figures = {std::move(table)};
   headline.next = {"dn match FLIGHT --out DIR: the distances between the strips"};
   return headline;
@@ -28,7 +36,8 @@ Table StripsTable(const Facts& strips) {
               "Points without a pose were dropped. report.json has their number by reason."};
   for (const Facts& strip : strips.elements()) {
     table.rows.push_back(
-        Row(strip["name"].text(),
+        Row(strip["scanner"] ? strip["scanner"].text() + "_" + strip["name"].text()
+                             : strip["name"].text(),
             {strip["points"].Count(), strip["kept"].Count(), strip["shift_rms_m"].Decimals(3),
              strip["shift_max_m"].Decimals(3), Text(strip["laser_vectors"].text())}));
   }
