@@ -17,7 +17,7 @@ struct FleetClouds {
   Eigen::Vector3d boresight_rad;
 };
 
-/// Georeferences the strips of each flight into `folder`/clouds, each in its own process. `changes`:
+/// Georeferences the strips of each flight into `folder`/clouds, in its own process. `changes`:
 /// --set values for all flights. Throws FailedWithResults if a flight fails, with its message.
 void GeoreferenceFlights(const std::vector<FleetClouds>& flights,
                          const std::vector<std::string>& changes, int at_once, Run* run);

@@ -46,6 +46,9 @@ class FlightDraft {
   /// Compares the rotations of all other inertial files with those of the file in use.
   void CompareOtherUnits();
   void SettleScanner();
+  /// Returns the path of the trajectory, or else of the GNSS positions, if there is one.
+  std::optional<RoughPath> FindPath() const;
+  void AddMissingMountings(std::vector<std::string>* missing) const;
   std::string SensorsText() const;
   std::string ImuText() const;
   std::string GnssText() const;

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/lidar/point_spacing.h>
 #include <dn/matching/match.h>
 #include <dn/parallel.h>
 #include <fmt/format.h>
@@ -84,31 +85,12 @@ struct Work {
   MatchedPair pair;
 };
 
-/// Returns the number of cells of a horizontal grid that contain points.
-std::size_t CellsWithPoints(const std::vector<Vector3d>& p_m, double cell_m) {
-  std::vector<std::pair<double, double>> cells;
-  cells.reserve(p_m.size());
-  for (const Vector3d& p : p_m) {
-    cells.emplace_back(std::floor(p.x() / cell_m), std::floor(p.y() / cell_m));
-  }
-  std::sort(cells.begin(), cells.end());
-  return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
-}
-
 double GsdFromDensity(const MatchSource& source, int threads) {
-  // The density follows from the number of occupied cells. The grid must be so coarse that most
-  // cells inside the strip contain points.
-  constexpr double kFirstCell_m = 1.0;
-  constexpr double kPointsPerCell = 30.0;
+  constexpr double kCell_m = 1.0;
   const StripSample sample =
-      matching_internal::SampleStrip(source, 0, kFirstCell_m, threads, [](std::uint64_t) {});
-  const auto points = static_cast<double>(sample.counts.kept);
-  double cell_m = kFirstCell_m;
-  for (int round = 0; round < 8; ++round, cell_m *= 2.0) {
-    const auto cells = static_cast<double>(CellsWithPoints(sample.p_m, cell_m));
-    const double density_m2 = points / (cells * cell_m * cell_m);
-    if (density_m2 * cell_m * cell_m >= kPointsPerCell) return 1.0 / std::sqrt(density_m2);
-  }
+      matching_internal::SampleStrip(source, 0, kCell_m, threads, [](std::uint64_t) {});
+  const auto spacing_m = PointSpacing(sample.p_m, static_cast<double>(sample.counts.kept));
+  if (spacing_m) return *spacing_m;
   throw InvalidInput("the points are too sparse to be matched: fewer than 30 in a cell of 128 m",
                      {source.strips().front().files.front().string()});
 }

@@ -1,5 +1,8 @@
 #include <dn/files/flight.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/point_crs.h>
+#include <dn/geo/text_table.h>
+#include <dn/lidar/strip_io.h>
 #include <dn/report/json.h>
 #include <dn/rotation.h>
 #include <gmock/gmock.h>
@@ -11,6 +14,7 @@
 #include "page_numbers.h"
 #include "run_program.h"
 #include "strip_scenario.h"
+#include "testing/las_bytes.h"
 #include "testing/temp_folder.h"
 
 namespace dn::testing::apps_test {
@@ -275,6 +279,102 @@ TEST_F(Matching, InitDescribesTheScannerByItsStrips) {
   const ProgramRun check = RunProgram({"check", In("raw")});
   EXPECT_EQ(check.exit_code, 0) << check.err;
   EXPECT_THAT(check.out, HasSubstr("dn match                  possible"));
+}
+
+/// A folder of the measurements of a flight and its strips in UTM, without a flight.yaml.
+class RawFlight {
+ public:
+  RawFlight(const fs::path& flight, const fs::path& raw) : flight_(flight), raw_(raw) {
+    fs::create_directories(raw / "strips");
+    for (const char* name : {"IMU.txt", "GPS.txt"}) fs::copy(flight / name, raw / name);
+  }
+
+  void AddTrajectory() { fs::copy(flight_ / "reference.out", raw_ / "trajectory.out"); }
+
+  /// Writes every fifth point of a strip with its laser vector, turned by R_xs from the scanner.
+  void AddText(const Eigen::Matrix3d& R_xs) const {
+    std::ofstream text(raw_ / "strips/1.txt");
+    ForPoints([&](double t_s, const Eigen::Vector3d& p_c, const Eigen::Vector3d& u_s) {
+      const Eigen::Vector3d u_x = R_xs * u_s;
+      text << FormatDouble(t_s);
+      for (const Eigen::Vector3d& v : {p_c, u_x}) {
+        for (int i = 0; i < 3; ++i) text << ", " << FormatDouble(v[i]);
+      }
+      text << '\n';
+    });
+  }
+
+  /// Writes the same points as a LAS file without laser vectors.
+  void AddLas() const {
+    LasBytes las;
+    las.offset[1] = 5e6;
+    ForPoints([&](double t_s, const Eigen::Vector3d& p_c, const Eigen::Vector3d&) {
+      const auto steps = [&](double x) {
+        return static_cast<std::int32_t>(std::lround(x / las.scale));
+      };
+      las.points.push_back(
+          {steps(p_c.x()), steps(p_c.y() - 5e6), steps(p_c.z()), t_s, 5, 1, 1, ""});
+    });
+    std::ofstream(raw_ / "strips/1.las", std::ios::binary) << las.Build();
+  }
+
+  /// Returns the flight.yaml of dn init.
+  std::string Init() const {
+    const ProgramRun init = RunProgram({"init", raw_.string()});
+    EXPECT_EQ(init.exit_code, 0) << init.err;
+    EXPECT_EQ(RunProgram({"check", raw_.string()}).exit_code, 0);
+    return FileContent(raw_ / "flight.yaml");
+  }
+
+ private:
+  template <class Take>
+  void ForPoints(const Take& take) const {
+    const PointCrs crs("utm:32n", ReadFlight(flight_, {.trajectory = false}).frame);
+    const auto strip = OpenStrip(flight_ / "strips/1.las");
+    for (StripCloud points; strip->Next(&points);) {
+      for (std::size_t k = 0; k < points.size(); k += 5) {
+        take(points.t_s[k], crs.FromMap(points.p_c[k]), points.u_s[k]);
+      }
+    }
+  }
+
+  fs::path flight_, raw_;
+};
+
+TEST_F(Matching, InitFindsTheMountingByTheTrajectory) {
+  RawFlight raw(In("flight"), In("raw_mounting"));
+  raw.AddTrajectory();
+  Eigen::Matrix3d R_xs;  // the scanner lies on its side
+  R_xs << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+  raw.AddText(R_xs);
+  const std::string yaml = raw.Init();
+  EXPECT_THAT(yaml,
+              HasSubstr("# This mounting leads from the laser vectors to the points, to 0.0"));
+  EXPECT_THAT(yaml, HasSubstr("\n  R_sensor_to_body: [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]\n"));
+  EXPECT_THAT(yaml, HasSubstr("\n  scan_axis: [0, 1, 0]\n  nadir_axis: [0, 0, 1]\n"));
+  EXPECT_THAT(yaml, HasSubstr("\nstrips_crs: utm:32n "));
+  EXPECT_THAT(yaml, HasSubstr("\n  gsd_m: 2."));
+}
+
+TEST_F(Matching, InitGuessesTheMountingByTheCourse) {
+  RawFlight raw(In("flight"), In("raw_course"));
+  raw.AddText(Eigen::Matrix3d::Identity());
+  const std::string yaml = raw.Init();
+  EXPECT_THAT(yaml, HasSubstr("# GUESS: with this mounting, the laser vectors lead to the points"));
+  EXPECT_THAT(yaml, HasSubstr("\n  R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]\n"));
+}
+
+TEST_F(Matching, InitDescribesStripsWithoutLaserVectors) {
+  RawFlight raw(In("flight"), In("raw_las"));
+  raw.AddTrajectory();
+  raw.AddLas();
+  const std::string yaml = raw.Init();
+  EXPECT_THAT(yaml, HasSubstr("# The points have no laser vectors."));
+  EXPECT_THAT(yaml, HasSubstr("\n  R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]\n"));
+  EXPECT_THAT(yaml, HasSubstr("georeferenced_with: {boresight_deg: [0, 0, 0]}   # MISSING"));
+  folder_->Write("raw_las/flight.yaml", With(yaml, "# georeferenced_with", "georeferenced_with"));
+  const ProgramRun match = RunProgram({"match", In("raw_las"), "--out", In("raw_las_matched")});
+  EXPECT_THAT(match.err, HasSubstr("two strips or more"));  // nothing else is missing
 }
 
 TEST_F(Matching, InitDescribesEveryScannerWithAFolder) {
