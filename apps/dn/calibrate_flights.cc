@@ -183,7 +183,7 @@ class FleetRun {
                             "flight instead (an earlier result in --out is used), or leave out "
                             "--georef");
       }
-      GeoreferenceableScanners(*member.config);
+      ExpectBeamsInStrips(GeoreferenceableScanners(*member.config).front());
     }
   }
 

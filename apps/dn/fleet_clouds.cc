@@ -19,10 +19,10 @@ std::string GeoreferenceOne(const FleetClouds& clouds, const std::vector<std::st
   const Eigen::Vector3d deg = clouds.boresight_rad * kDegPerRad;
   std::vector<std::string> words{"georef", clouds.flight};
   for (const std::string& change : changes) words.insert(words.end(), {"--set", change});
-  words.insert(words.end(),
-               {fmt::format("--boresight={:.12g},{:.12g},{:.12g}", deg.x(), deg.y(), deg.z()),
-                "--trajectory", (clouds.folder / "trajectory.out").string(), "--threads",
-                std::to_string(threads)});
+  words.insert(
+      words.end(),
+      {fmt::format("--boresight={:.12g},{:.12g},{:.12g}", deg.x(), deg.y(), deg.z()), "--result",
+       (clouds.folder / "result.json").string(), "--anyway", "--threads", std::to_string(threads)});
   const fs::path out = clouds.folder / "clouds";
   const int exit_code = RunIntoFolder(words, out);
   if (exit_code != 0) return FailureText(exit_code, out, "its georeferencing");

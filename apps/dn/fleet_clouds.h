@@ -13,7 +13,7 @@ namespace dn::apps {
 struct FleetClouds {
   std::string name;
   std::string flight;            ///< flight folder or YAML file
-  std::filesystem::path folder;  ///< result of the flight, with its adjusted trajectory
+  std::filesystem::path folder;  ///< result of the flight: its adjusted trajectory, its beams
   Eigen::Vector3d boresight_rad;
 };
 

@@ -282,7 +282,7 @@ NewStrips Prepare(GeorefOptions given, Run& run) {
     GeoreferenceOptions options = StatedGeoreferencing(scanner, trajectories);
     if (result != nullptr) options.mounting.boresight_rad = result->angles_rad;
     if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
-    if (result != nullptr && !boresight_rad) options.beams = FindBeams(*result, *scanner.lidar);
+    if (result != nullptr) options.beams = FindBeams(*result, *scanner.lidar);
     if (given.covariance) options.errors = ReadErrors(given, scanner, result);
     work.scanners.push_back({std::move(scanner), std::move(options)});
   }
