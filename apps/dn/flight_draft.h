@@ -48,12 +48,10 @@ class FlightDraft {
   void SettleScanner();
   /// Returns the path of the trajectory, or else of the GNSS positions, if there is one.
   std::optional<RoughPath> FindPath() const;
-  void AddMissingMountings(std::vector<std::string>* missing) const;
   std::string SensorsText() const;
   std::string ImuText() const;
   std::string GnssText() const;
   std::string LidarText() const;
-  std::string StripLidarText() const;
   std::string BeamsText() const;
   std::string GeoreferencingText() const;
   std::string TrajectoryText() const;
