@@ -128,8 +128,8 @@ class Georeferencing {
   std::vector<StripSurfaces> surfaces_;
 };
 
-/// Sets the side of the cells in which strips are compared: four ground sampling distances of the
-/// coarsest scanner, so that a cell contains some sixteen points. One strip has nothing to compare.
+/// Sets the side of the cells in which strips are compared. Four ground sampling distances of the
+/// coarsest scanner give some sixteen points per cell. One strip has nothing to compare.
 void SetSurfaceCells(std::vector<ScannerStrips>* scanners) {
   constexpr double kSmallestCell_m = 2.0, kCell_gsd = 4.0;
   std::size_t files = 0;

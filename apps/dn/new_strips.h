@@ -32,8 +32,8 @@ GeoreferenceOptions StatedGeoreferencing(const FlightConfig& scanner,
 /// has no scanner or its points are in an unknown system, and InvalidInput if it has no strips.
 std::vector<FlightConfig> GeoreferenceableScanners(const FlightConfig& config);
 
-/// Throws InvalidInput if the corrections of beams could not be applied: the scanner (one) has
-/// several beams, but the first points of a strip have no laser vectors or no beams.
+/// Throws InvalidInput if corrections of the beams of a scanner could not be applied: the first
+/// points of a strip have no laser vectors or no beams.
 void ExpectBeamsInStrips(const FlightConfig& config);
 
 /// Georeferences all strips of a flight and prints a table. Stages georef.json and the strips, in

@@ -28,8 +28,8 @@ constexpr std::size_t kEvery = 7;  // takes every seventh point
 constexpr std::size_t kFewestPoints = 100;
 constexpr std::size_t kPointsOfGuess = 50;
 constexpr std::string_view kPrefix = "strips_";
-// A laser vector and the path are of the same flight if the point is as far from the path as the
-// vector is long, to this share.
+// Largest difference of the distance of a point from the path and the length of its laser vector,
+// if both are of the same flight; a share of the length.
 constexpr double kRangeTolerance = 0.2;
 constexpr double kLongestRange_m = 8000.0;
 constexpr double kExactRms_m = 0.3;        // of points that this trajectory and these vectors made
@@ -164,8 +164,8 @@ std::optional<ShownMounting> FindMounting(const PlacedSample& placed, bool from_
   return shown;
 }
 
-/// Returns a mounting for points without laser vectors: nadir is the first axis of the scanner, and
-/// the axis about which the beams turn, as they lie in the body, is the second.
+/// Returns a mounting for points without laser vectors. The first axis of the scanner is nadir. The
+/// second is the axis about which the beams turn, as they lie in the body.
 ShownMounting ChooseMounting(const PlacedSample& placed, ScannerAxes* axes) {
   LaserVectorSums sums;
   for (const PointAndVector& point : placed.points) sums.Add(point.q_b_m.normalized());

@@ -61,8 +61,8 @@ struct StripScanner {
 /// Returns the folders strips/ and strips_NAME/ of a flight with their point clouds.
 std::vector<StripScanner> FindStripFolders(const std::filesystem::path& flight_folder);
 
-/// Finds the axes by some of the first points of each strip and, with a path, the mounting, the
-/// system of the points and their spacing. `guesses`: systems to try if the files state none.
+/// Finds the axes by some of the first points of each strip. With a path, also finds the mounting,
+/// and the system and the spacing of the points. `guesses`: systems to try if the files state none.
 /// Returns false if nothing is found: no strip has laser vectors, and no point lies about the path.
 bool SettleScannerByStrips(const RoughPath* path, const std::vector<std::string>& guesses,
                            StripScanner* scanner);

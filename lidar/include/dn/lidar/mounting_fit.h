@@ -23,8 +23,8 @@ struct MountingFit {
 };
 
 /// Returns the least-squares solution of q = R_bs u + a over all points. The lever arm a has a
-/// prior with a mean of zero and a standard deviation of 3 m, because it is not observable over
-/// flat ground. Returns nullopt for fewer than 30 points, and if the vectors lie along one line.
+/// prior of 0 +- 3 m, because flat ground does not show it. Returns nullopt for fewer than 30
+/// points, and if the vectors lie along one line.
 std::optional<MountingFit> FitMounting(const std::vector<PointAndVector>& points);
 
 /// Returns the rotation whose columns are positive or negative unit vectors and that is nearest to
