@@ -136,8 +136,8 @@ TEST_F(CliBeams, GeoreferencingTakesTheirErrorsOut) {
   const Eigen::Vector3d with = georeference("with", {"--result", Path("result") + "/result.json"});
   const Eigen::Vector3d without = georeference(
       "plain", {"--boresight=" + angles, "--trajectory", Path("result") + "/trajectory.out"});
-  const Eigen::Vector3d both = georeference(
-      "both", {"--result", Path("result") + "/result.json", "--boresight=" + angles});
+  const Eigen::Vector3d both =
+      georeference("both", {"--result", Path("result") + "/result.json", "--boresight=" + angles});
   EXPECT_LT((both - with).norm(), 1e-6);
   const auto k = static_cast<std::size_t>(pair[8]);
   const Json& beams = result["beams"][0];
