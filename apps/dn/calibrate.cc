@@ -5,6 +5,7 @@
 #include <dn/diagnosis/beams_output.h>
 #include <dn/files/pair_clock.h>
 #include <dn/files/scanners.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 
 #include <memory>

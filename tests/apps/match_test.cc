@@ -377,6 +377,23 @@ TEST_F(Matching, InitDescribesStripsWithoutLaserVectors) {
   EXPECT_THAT(match.err, HasSubstr("two strips or more"));  // nothing else is missing
 }
 
+// Measured strips of a scanner with 32 beams, whose provider states the mounting.
+TEST(InitOfMeasuredStrips, FindsTheStatedMounting) {
+  const fs::path tent = fs::path(DN_SHARED_DATA_DIR) / "data/tent";
+  if (!fs::exists(tent)) GTEST_SKIP() << tent << " is absent";
+  const TempFolder folder;
+  fs::copy(tent / "strips", folder.path() / "strips");
+  fs::copy(tent / "trajectory.txt", folder.path() / "trajectory.txt");
+  const ProgramRun init = RunProgram({"init", folder.path().string()});
+  ASSERT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out, Not(HasSubstr("missing  lidar")));
+  const Mounting stated = ReadFlightConfig(tent).lidar->mounting;
+  const Mounting found = ReadFlightConfig(folder.path()).lidar->mounting;
+  EXPECT_EQ(found.R_bs_nominal, stated.R_bs_nominal);
+  EXPECT_LT((found.lever_arm_b_m - stated.lever_arm_b_m).norm(), 0.005);
+  EXPECT_LT((found.boresight_rad - stated.boresight_rad).norm(), 0.005 * kRadPerDeg);
+}
+
 TEST_F(Matching, InitDescribesEveryScannerWithAFolder) {
   fs::create_directory(In("copies"));
   for (const char* name : {"IMU.txt", "GPS.txt"}) {
