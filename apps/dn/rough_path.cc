@@ -24,6 +24,7 @@ Eigen::Quaterniond LevelAlong(const Vector3d& v_m) {
 }  // namespace
 
 std::optional<MapPose> RoughPath::At(double t_s) const {
+  if (!std::isfinite(t_s)) return std::nullopt;
   const auto later = std::ranges::lower_bound(poses, t_s, {}, &MapPose::t_s);
   if (later == poses.end() || (later == poses.begin() && later->t_s > t_s)) return std::nullopt;
   const double gap_s = later == poses.begin() ? 0.0 : later->t_s - std::prev(later)->t_s;

@@ -12,7 +12,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -23,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
+using Source = ShownMounting::Source;
+
 constexpr std::size_t kPointsPerStrip = 100000;
 constexpr std::size_t kEvery = 7;  // takes every seventh point
 constexpr std::size_t kFewestPoints = 100;
@@ -32,8 +33,11 @@ constexpr std::string_view kPrefix = "strips_";
 // if both are of the same flight; a share of the length.
 constexpr double kRangeTolerance = 0.2;
 constexpr double kLongestRange_m = 8000.0;
-constexpr double kExactRms_m = 0.3;        // of points that this trajectory and these vectors made
-constexpr double kRoughShare = 0.15;       // of the range: a level body along the course
+constexpr double kExactRms_m = 0.3;   // of points that this trajectory and these vectors made
+constexpr double kRoughShare = 0.15;  // of the range: a level body along the course
+constexpr double kMostMedians = 5.0;  // of the distance of a point from where it should be
+constexpr int kRounds = 3;
+constexpr double kShareOfNoise = 0.001;    // of points in the air or below the ground, on each side
 constexpr double kKnownLeverArm_m = 0.02;  // sigma
 constexpr double kUsualTurn_rad = 0.09;    // 5 deg: a mounting along the axes, with its boresight
 constexpr double kRoughTurn_rad = 0.35;    // 20 deg: the same, with crab angle and pitch
@@ -92,14 +96,25 @@ struct PlacedSample {
   std::vector<Vector3d> p_m;
 };
 
-/// Places every `step`-th point about the path. Points without a pose are left out.
+/// Returns the point in m; nullopt if it is outside of the system.
+std::optional<Vector3d> ToMap(const PointCrs& crs, const Vector3d& p_c) {
+  try {
+    return crs.ToMap(p_c);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
+/// Places every `step`-th point about the path. Points without a pose or outside of the system are
+/// left out.
 PlacedSample PlaceAbout(const RoughPath& path, const PointCrs& crs, const Sample& sample,
                         std::size_t step) {
   PlacedSample placed;
   for (std::size_t k = 0; k < sample.p_c.size(); k += step) {
     const std::optional<MapPose> pose = path.At(sample.t_s[k]);
-    if (!pose) continue;
-    placed.p_m.push_back(crs.ToMap(sample.p_c[k]));
+    const std::optional<Vector3d> p_m = ToMap(crs, sample.p_c[k]);
+    if (!pose || !p_m) continue;
+    placed.p_m.push_back(*p_m);
     PointAndVector point;
     point.q_b_m = pose->q_mb.conjugate() * (placed.p_m.back() - pose->p_mb);
     if (!sample.u_s.empty()) point.u_s_m = sample.u_s[k];
@@ -129,7 +144,7 @@ std::optional<PointCrs> FindCrs(const RoughPath& path, const Sample& sample,
     try {
       PointCrs crs(name, path.frame);
       if (LieAbout(PlaceAbout(path, crs, sample, step), !sample.u_s.empty())) return crs;
-    } catch (const InvalidInput&) {  // coordinates outside of the system
+    } catch (const InvalidInput&) {  // the system does not exist, or needs a grid
       continue;
     }
   }
@@ -142,9 +157,29 @@ double MeanRange(const PlacedSample& placed) {
   return sum_m / static_cast<double>(placed.points.size());
 }
 
+/// Returns the points without those that lie far from where the mounting puts them.
+std::vector<PointAndVector> WithoutOutliers(const std::vector<PointAndVector>& points,
+                                            const MountingFit& fit) {
+  std::vector<double> off_m;
+  for (const PointAndVector& point : points) {
+    off_m.push_back((point.q_b_m - fit.R_bs * point.u_s_m - fit.lever_arm_b_m).norm());
+  }
+  std::vector<double> sorted_m = off_m;
+  const auto middle = sorted_m.begin() + static_cast<std::ptrdiff_t>(sorted_m.size() / 2);
+  std::ranges::nth_element(sorted_m, middle);
+  std::vector<PointAndVector> kept;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (off_m[k] <= kMostMedians * *middle) kept.push_back(points[k]);
+  }
+  return kept;
+}
+
 /// Returns the mounting that leads from the laser vectors to the points, if one does.
 std::optional<ShownMounting> FindMounting(const PlacedSample& placed, bool from_course) {
-  const std::optional<MountingFit> fit = FitMounting(placed.points);
+  std::optional<MountingFit> fit = FitMounting(placed.points);
+  for (int round = 0; fit && round < kRounds; ++round) {
+    fit = FitMounting(WithoutOutliers(placed.points, *fit));
+  }
   const double worst_m = from_course ? kRoughShare * MeanRange(placed) : kExactRms_m;
   if (!fit || fit->rms_m > worst_m) return std::nullopt;
   ShownMounting shown;
@@ -154,10 +189,10 @@ std::optional<ShownMounting> FindMounting(const PlacedSample& placed, bool from_
   const bool along_axes = turn_rad.norm() < (from_course ? kRoughTurn_rad : kUsualTurn_rad);
   shown.R_bs = along_axes ? axes : fit->R_bs;
   if (from_course) {
-    shown.source = ShownMounting::Source::kCourse;
+    shown.source = Source::kCourse;
     return shown;
   }
-  shown.source = ShownMounting::Source::kTrajectory;
+  shown.source = Source::kTrajectory;
   if (along_axes) shown.boresight_rad = turn_rad;
   if (fit->lever_arm_sigma_m.maxCoeff() < kKnownLeverArm_m)
     shown.lever_arm_b_m = fit->lever_arm_b_m;
@@ -176,17 +211,17 @@ ShownMounting ChooseMounting(const PlacedSample& placed, ScannerAxes* axes) {
   return shown;
 }
 
-/// Sets the range of the beams about the scan axis.
-void SetBeamRange(const std::vector<Vector3d>& u_s, StripScanner* scanner) {
+/// Sets the range of the beams about the scan axis. `share` of them on each side is left out.
+void SetBeamRange(const std::vector<Vector3d>& u_s, double share, StripScanner* scanner) {
   const Vector3d across_s = scanner->axes.scan_s.cross(scanner->axes.nadir_s);
-  double low_rad = std::numeric_limits<double>::infinity(), high_rad = -low_rad;
+  std::vector<double> angles_rad;
   for (const Vector3d& u : u_s) {
-    const double angle_rad = std::atan2(u.dot(across_s), u.dot(scanner->axes.nadir_s));
-    low_rad = std::min(low_rad, angle_rad);
-    high_rad = std::max(high_rad, angle_rad);
+    angles_rad.push_back(std::atan2(u.dot(across_s), u.dot(scanner->axes.nadir_s)));
   }
-  scanner->low_deg = low_rad * kDegPerRad;
-  scanner->high_deg = high_rad * kDegPerRad;
+  std::ranges::sort(angles_rad);
+  const auto left_out = static_cast<std::size_t>(share * static_cast<double>(angles_rad.size()));
+  scanner->low_deg = angles_rad[left_out] * kDegPerRad;
+  scanner->high_deg = angles_rad[angles_rad.size() - 1 - left_out] * kDegPerRad;
 }
 
 /// Lets the scan axis point forward, as far as the mounting knows.
@@ -258,7 +293,8 @@ bool SettleScannerByStrips(const RoughPath* path, const std::vector<std::string>
   }
   if (sample.u_s.empty()) return false;
   if (scanner->mounting) TurnScanAxisForward(scanner);
-  SetBeamRange(sample.u_s, scanner);
+  const bool computed = scanner->mounting && scanner->mounting->source == Source::kChosen;
+  SetBeamRange(sample.u_s, computed ? kShareOfNoise : 0.0, scanner);
   return true;
 }
 

@@ -15,7 +15,6 @@
 
 #include "agree_with_neighbours.h"
 #include "median_by_axis.h"
-#include "patches.h"
 
 namespace dn::matching_internal {
 namespace {

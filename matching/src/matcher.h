@@ -12,6 +12,7 @@
 #include "height_raster.h"
 #include "match_cells.h"
 #include "patch_surface.h"
+#include "patches.h"
 #include "register_patches.h"
 #include "strip_sample.h"
 

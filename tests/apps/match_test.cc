@@ -292,12 +292,16 @@ class RawFlight {
   void AddTrajectory() { fs::copy(flight_ / "reference.out", raw_ / "trajectory.out"); }
 
   /// Writes every fifth point of a strip with its laser vector, turned by R_xs from the scanner.
+  /// One of 97 points is wrong.
   void AddText(const Eigen::Matrix3d& R_xs) const {
     std::ofstream text(raw_ / "strips/1.txt");
+    int points = 0;
     ForPoints([&](double t_s, const Eigen::Vector3d& p_c, const Eigen::Vector3d& u_s) {
       const Eigen::Vector3d u_x = R_xs * u_s;
+      const Eigen::Vector3d wrong_m = ++points % 97 == 0 ? Eigen::Vector3d(90, -60, 150)
+                                                         : Eigen::Vector3d(Eigen::Vector3d::Zero());
       text << FormatDouble(t_s);
-      for (const Eigen::Vector3d& v : {p_c, u_x}) {
+      for (const Eigen::Vector3d& v : {Eigen::Vector3d(p_c + wrong_m), u_x}) {
         for (int i = 0; i < 3; ++i) text << ", " << FormatDouble(v[i]);
       }
       text << '\n';
