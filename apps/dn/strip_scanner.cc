@@ -1,12 +1,9 @@
 #include "strip_scanner.h"
 
-#include <dn/error.h>
 #include <dn/files/strip_files.h>
 #include <dn/geo/local_frame.h>
-#include <dn/geo/point_crs.h>
 #include <dn/lidar/mounting_fit.h>
 #include <dn/lidar/point_spacing.h>
-#include <dn/lidar/strip_io.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Geometry>
@@ -16,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "strip_points.h"
+
 namespace dn::apps {
 namespace {
 
@@ -24,15 +23,8 @@ using Eigen::Vector3d;
 
 using Source = ShownMounting::Source;
 
-constexpr std::size_t kPointsPerStrip = 100000;
-constexpr std::size_t kEvery = 7;  // takes every seventh point
 constexpr std::size_t kFewestPoints = 100;
-constexpr std::size_t kPointsOfGuess = 50;
 constexpr std::string_view kPrefix = "strips_";
-// Largest difference of the distance of a point from the path and the length of its laser vector,
-// if both are of the same flight; a share of the length.
-constexpr double kRangeTolerance = 0.2;
-constexpr double kLongestRange_m = 8000.0;
 constexpr double kExactRms_m = 0.3;   // of points that this trajectory and these vectors made
 constexpr double kRoughShare = 0.15;  // of the range: a level body along the course
 constexpr double kMostMedians = 5.0;  // of the distance of a point from where it should be
@@ -42,116 +34,13 @@ constexpr double kKnownLeverArm_m = 0.02;  // sigma
 constexpr double kUsualTurn_rad = 0.09;    // 5 deg: a mounting along the axes, with its boresight
 constexpr double kRoughTurn_rad = 0.35;    // 20 deg: the same, with crab angle and pitch
 
-/// Some points of all strips of a scanner.
-struct Sample {
-  std::vector<double> t_s;
-  std::vector<Vector3d> p_c;
-  std::vector<Vector3d> u_s;  ///< empty if a strip lacks them
-  bool has_vectors = true;
-  std::string crs;      ///< stated by the files
-  double points = 0.0;  ///< number before sampling
-};
-
 Vector3d MainAxis(const Vector3d& v) {
   Eigen::Index axis = 0;
   v.cwiseAbs().maxCoeff(&axis);
   return (v[axis] < 0.0 ? -1.0 : 1.0) * Vector3d::Unit(axis);
 }
 
-/// Adds points from the beginning of a strip.
-void AddPoints(const fs::path& file, Sample* sample) {
-  const auto strip = OpenStrip(file);
-  sample->has_vectors = sample->has_vectors && strip->has_vectors();
-  if (!strip->crs().name.empty()) sample->crs = strip->crs().name;
-  std::size_t points = 0;
-  for (StripCloud cloud; points < kPointsPerStrip && strip->Next(&cloud); points += cloud.size()) {
-    for (std::size_t k = 0; k < cloud.size(); k += kEvery) {
-      sample->t_s.push_back(cloud.t_s.empty() ? std::nan("") : cloud.t_s[k]);
-      sample->p_c.push_back(cloud.p_c[k]);
-      if (strip->has_vectors()) sample->u_s.push_back(cloud.u_s[k]);
-    }
-  }
-  sample->points += static_cast<double>(points);
-}
-
-/// Returns points of the strips that can be read; the commands that use strips report the others.
-Sample TakeSample(const std::vector<fs::path>& strips) {
-  Sample sample;
-  for (const fs::path& file : strips) {
-    Sample whole = sample;
-    try {
-      AddPoints(file, &whole);
-      sample = std::move(whole);
-    } catch (const InvalidInput&) {
-      continue;
-    }
-  }
-  if (!sample.has_vectors) sample.u_s.clear();
-  return sample;
-}
-
-/// The points in body axes, with their laser vectors if they have some.
-struct PlacedSample {
-  std::vector<PointAndVector> points;
-  std::vector<Vector3d> p_m;
-};
-
-/// Returns the point in m; nullopt if it is outside of the system.
-std::optional<Vector3d> ToMap(const PointCrs& crs, const Vector3d& p_c) {
-  try {
-    return crs.ToMap(p_c);
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
-}
-
-/// Places every `step`-th point about the path. Points without a pose or outside of the system are
-/// left out.
-PlacedSample PlaceAbout(const RoughPath& path, const PointCrs& crs, const Sample& sample,
-                        std::size_t step) {
-  PlacedSample placed;
-  for (std::size_t k = 0; k < sample.p_c.size(); k += step) {
-    const std::optional<MapPose> pose = path.At(sample.t_s[k]);
-    const std::optional<Vector3d> p_m = ToMap(crs, sample.p_c[k]);
-    if (!pose || !p_m) continue;
-    placed.p_m.push_back(*p_m);
-    PointAndVector point;
-    point.q_b_m = pose->q_mb.conjugate() * (placed.p_m.back() - pose->p_mb);
-    if (!sample.u_s.empty()) point.u_s_m = sample.u_s[k];
-    placed.points.push_back(point);
-  }
-  return placed;
-}
-
-/// Returns whether points are where a scanner on the path can measure them.
-bool LieAbout(const PlacedSample& placed, bool have_vectors) {
-  if (placed.points.size() < kPointsOfGuess / 2) return false;
-  std::size_t agree = 0;
-  for (const PointAndVector& point : placed.points) {
-    const double range_m = point.q_b_m.norm(), length_m = point.u_s_m.norm();
-    agree += have_vectors ? std::abs(range_m - length_m) < kRangeTolerance * length_m
-                          : range_m < kLongestRange_m && point.q_b_m.z() > 0.0;
-  }
-  return 10 * agree > 9 * placed.points.size();
-}
-
-/// Returns the system in which the points lie about the path; nullopt if there is none.
-std::optional<PointCrs> FindCrs(const RoughPath& path, const Sample& sample,
-                                std::vector<std::string> guesses) {
-  if (!sample.crs.empty()) guesses = {sample.crs};
-  const std::size_t step = std::max<std::size_t>(1, sample.p_c.size() / kPointsOfGuess);
-  for (const std::string& name : guesses) {
-    try {
-      PointCrs crs(name, path.frame);
-      if (LieAbout(PlaceAbout(path, crs, sample, step), !sample.u_s.empty())) return crs;
-    } catch (const InvalidInput&) {  // the system does not exist, or needs a grid
-      continue;
-    }
-  }
-  return std::nullopt;
-}
-
-double MeanRange(const PlacedSample& placed) {
+double MeanRange(const PlacedPoints& placed) {
   double sum_m = 0.0;
   for (const PointAndVector& point : placed.points) sum_m += point.q_b_m.norm();
   return sum_m / static_cast<double>(placed.points.size());
@@ -175,7 +64,7 @@ std::vector<PointAndVector> WithoutOutliers(const std::vector<PointAndVector>& p
 }
 
 /// Returns the mounting that leads from the laser vectors to the points, if one does.
-std::optional<ShownMounting> FindMounting(const PlacedSample& placed, bool from_course) {
+std::optional<ShownMounting> FindMounting(const PlacedPoints& placed, bool from_course) {
   std::optional<MountingFit> fit = FitMounting(placed.points);
   for (int round = 0; fit && round < kRounds; ++round) {
     fit = FitMounting(WithoutOutliers(placed.points, *fit));
@@ -201,7 +90,7 @@ std::optional<ShownMounting> FindMounting(const PlacedSample& placed, bool from_
 
 /// Returns a mounting for points without laser vectors. The first axis of the scanner is nadir. The
 /// second is the axis about which the beams turn, as they lie in the body.
-ShownMounting ChooseMounting(const PlacedSample& placed, ScannerAxes* axes) {
+ShownMounting ChooseMounting(const PlacedPoints& placed, ScannerAxes* axes) {
   LaserVectorSums sums;
   for (const PointAndVector& point : placed.points) sums.Add(point.q_b_m.normalized());
   const ScannerAxes in_body = sums.Axes();
@@ -232,9 +121,9 @@ void TurnScanAxisForward(StripScanner* scanner) {
   if (scan_b[axis] < 0.0) scanner->axes.scan_s = -scanner->axes.scan_s;
 }
 
-void SettleMounting(const RoughPath& path, const PointCrs& crs, Sample* sample,
+void SettleMounting(const RoughPath& path, const PointCrs& crs, StripPoints* sample,
                     StripScanner* scanner) {
-  const PlacedSample placed = PlaceAbout(path, crs, *sample, 1);
+  const PlacedPoints placed = PlaceAbout(path, crs, *sample, 1);
   if (placed.points.size() < kFewestPoints) return;
   if (sample->crs.empty()) scanner->crs = crs.name();
   const double share =
@@ -283,12 +172,12 @@ std::vector<StripScanner> FindStripFolders(const fs::path& flight_folder) {
 
 bool SettleScannerByStrips(const RoughPath* path, const std::vector<std::string>& guesses,
                            StripScanner* scanner) {
-  Sample sample = TakeSample(scanner->strips);
+  StripPoints sample = TakeStripPoints(scanner->strips);
   LaserVectorSums sums;
   for (const Vector3d& u_s : sample.u_s) sums.Add(u_s);
   if (!sample.u_s.empty()) scanner->axes = sums.Axes();
   if (path != nullptr && !path->poses.empty()) {
-    const std::optional<PointCrs> crs = FindCrs(*path, sample, guesses);
+    const std::optional<PointCrs> crs = FindPointCrs(*path, sample, guesses);
     if (crs) SettleMounting(*path, *crs, &sample, scanner);
   }
   if (sample.u_s.empty()) return false;
