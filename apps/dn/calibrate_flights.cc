@@ -246,10 +246,8 @@ class FleetRun {
   }
 
   void CalibrateOne(int threads, Member* member) const {
-    std::vector<std::string> words{"calibrate", member->argument};
-    for (const std::string& change : changes_) words.insert(words.end(), {"--set", change});
-    words.insert(words.end(), {"--threads", std::to_string(threads)});
-    const int exit_code = RunIntoFolder(words, member->folder);
+    const int exit_code =
+        RunIntoFolder({"calibrate", member->argument}, changes_, threads, member->folder);
     if (IsThere(member->folder / kReduced) && TakeResult(member)) {
       std::error_code none;
       fs::remove(LogFile(member->folder), none);

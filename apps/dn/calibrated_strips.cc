@@ -43,14 +43,13 @@ void AddNewStrips(const FlightConfig& config, const BoresightByScanner& boresigh
   } else {
     trajectories.trajectory = std::move(*flight.trajectory);
   }
-  for (FlightConfig& scanner : GeoreferenceableScanners(work.config)) {
-    GeoreferenceOptions options = StatedGeoreferencing(scanner, trajectories);
+  work.scanners = StatedStrips(work.config, std::move(trajectories));
+  for (auto& [scanner, options] : work.scanners) {
     const auto estimate = boresights.find(scanner.lidar->name);
     if (estimate != boresights.end()) {
       options.mounting.boresight_rad = estimate->second->angles_rad;
     }
     options.beams = ObservedErrors(beams, *scanner.lidar);
-    work.scanners.push_back({std::move(scanner), std::move(options)});
   }
   GeoreferenceStrips(std::move(work), *run);
 }

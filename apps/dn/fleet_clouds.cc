@@ -3,9 +3,6 @@
 #include <dn/geo/local_frame.h>
 #include <fmt/format.h>
 
-#include <mutex>
-#include <optional>
-
 #include "flight_processes.h"
 
 namespace dn::apps {
@@ -17,14 +14,12 @@ namespace fs = std::filesystem;
 std::string GeoreferenceOne(const FleetClouds& clouds, const std::vector<std::string>& changes,
                             int threads) {
   const Eigen::Vector3d deg = clouds.boresight_rad * kDegPerRad;
-  std::vector<std::string> words{"georef", clouds.flight};
-  for (const std::string& change : changes) words.insert(words.end(), {"--set", change});
-  words.insert(
-      words.end(),
-      {fmt::format("--boresight={:.12g},{:.12g},{:.12g}", deg.x(), deg.y(), deg.z()), "--result",
-       (clouds.folder / "result.json").string(), "--anyway", "--threads", std::to_string(threads)});
   const fs::path out = clouds.folder / "clouds";
-  const int exit_code = RunIntoFolder(words, out);
+  const int exit_code =
+      RunIntoFolder({"georef", clouds.flight,
+                     fmt::format("--boresight={:.12g},{:.12g},{:.12g}", deg.x(), deg.y(), deg.z()),
+                     "--result", (clouds.folder / "result.json").string(), "--anyway"},
+                    changes, threads, out);
   if (exit_code != 0) return FailureText(exit_code, out, "its georeferencing");
   std::error_code none;
   fs::remove(LogFile(out), none);

@@ -27,9 +27,11 @@ fs::path LogFile(const fs::path& out) {
   return log;
 }
 
-int RunIntoFolder(std::vector<std::string> words, const fs::path& out) {
+int RunIntoFolder(std::vector<std::string> words, const std::vector<std::string>& changes,
+                  int threads, const fs::path& out) {
   words.insert(words.begin(), kThisProgram);
-  words.insert(words.end(), {"--out", out.string()});
+  for (const std::string& change : changes) words.insert(words.end(), {"--set", change});
+  words.insert(words.end(), {"--threads", std::to_string(threads), "--out", out.string()});
   ProcessLimits limits;
   limits.interrupted = [] { return SignalReceived(); };
   const ProcessUsage usage = RunProgram(words, LogFile(out), limits);

@@ -14,9 +14,10 @@ namespace dn::apps {
 std::filesystem::path LogFile(const std::filesystem::path& out);
 
 /// Runs a command of this program with --out in a process of its own, whose memory is free again
-/// afterwards. Its messages go to LogFile. Returns its exit code; throws Interrupted after a signal
-/// to this process.
-int RunIntoFolder(std::vector<std::string> words, const std::filesystem::path& out);
+/// afterwards. `changes`: --set values. Its messages go to LogFile. Returns its exit code; throws
+/// Interrupted after a signal to this process.
+int RunIntoFolder(std::vector<std::string> words, const std::vector<std::string>& changes,
+                  int threads, const std::filesystem::path& out);
 
 /// Returns why RunIntoFolder failed: the message in its report, the signal that ended it, or the
 /// place of its messages. `what`: the command as a noun.

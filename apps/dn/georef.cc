@@ -277,14 +277,14 @@ NewStrips Prepare(GeorefOptions given, Run& run) {
   GeoreferenceOptions trajectories = ReadTrajectories(given, &work.config, &work.frame);
   trajectories.threads = run.options().threads;
   work.covariance = CovarianceJson(given, work.config);
-  for (FlightConfig& scanner : GeoreferenceableScanners(work.config)) {
-    const StoredBoresight* result = results.empty() ? nullptr : &results[work.scanners.size()];
-    GeoreferenceOptions options = StatedGeoreferencing(scanner, trajectories);
+  work.scanners = StatedStrips(work.config, std::move(trajectories));
+  for (std::size_t k = 0; k < work.scanners.size(); ++k) {
+    auto& [scanner, options] = work.scanners[k];
+    const StoredBoresight* result = results.empty() ? nullptr : &results[k];
     if (result != nullptr) options.mounting.boresight_rad = result->angles_rad;
     if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
     if (result != nullptr) options.beams = FindBeams(*result, *scanner.lidar);
     if (given.covariance) options.errors = ReadErrors(given, scanner, result);
-    work.scanners.push_back({std::move(scanner), std::move(options)});
   }
   return work;
 }

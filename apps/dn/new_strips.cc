@@ -229,14 +229,22 @@ void ExpectBeamsInStrips(const FlightConfig& config) {
   }
 }
 
-GeoreferenceOptions StatedGeoreferencing(const FlightConfig& scanner,
-                                         GeoreferenceOptions trajectories) {
-  GeoreferenceOptions options = std::move(trajectories);
-  options.made_with = StripsGeoreferencing(scanner);
-  options.mounting = scanner.lidar->mounting;
-  options.time_span_s = scanner.time_span_s;
-  options.time_offset_s = scanner.lidar->time_offset_s;
-  return options;
+std::vector<ScannerStrips> StatedStrips(const FlightConfig& config,
+                                        GeoreferenceOptions trajectories) {
+  std::vector<ScannerStrips> scanners;
+  for (FlightConfig& scanner : GeoreferenceableScanners(config)) {
+    scanners.push_back({std::move(scanner), {}});
+  }
+  // A trajectory is large: one scanner needs no copy.
+  for (std::size_t k = 1; k < scanners.size(); ++k) scanners[k].options = trajectories;
+  scanners.front().options = std::move(trajectories);
+  for (auto& [scanner, options] : scanners) {
+    options.made_with = StripsGeoreferencing(scanner);
+    options.mounting = scanner.lidar->mounting;
+    options.time_span_s = scanner.time_span_s;
+    options.time_offset_s = scanner.lidar->time_offset_s;
+  }
+  return scanners;
 }
 
 void GeoreferenceStrips(NewStrips work, Run& run) {

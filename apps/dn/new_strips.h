@@ -24,13 +24,14 @@ struct NewStrips {
   Json covariance = nullptr;  ///< origin of the covariances, for georef.json
 };
 
-/// Adds what the configuration of a scanner says of georeferencing to the trajectories and threads.
-GeoreferenceOptions StatedGeoreferencing(const FlightConfig& scanner,
-                                         GeoreferenceOptions trajectories);
-
 /// Returns the configuration of each scanner that has strips. Throws InvalidConfig if the flight
 /// has no scanner or its points are in an unknown system, and InvalidInput if it has no strips.
 std::vector<FlightConfig> GeoreferenceableScanners(const FlightConfig& config);
+
+/// Returns the input of each of these scanners: what its configuration says of georeferencing, with
+/// the trajectories and threads of `trajectories`.
+std::vector<ScannerStrips> StatedStrips(const FlightConfig& config,
+                                        GeoreferenceOptions trajectories);
 
 /// Throws InvalidInput if corrections of the beams of a scanner could not be applied: the first
 /// points of a strip have no laser vectors or no beams.

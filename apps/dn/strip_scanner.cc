@@ -4,6 +4,7 @@
 #include <dn/geo/local_frame.h>
 #include <dn/lidar/mounting_fit.h>
 #include <dn/lidar/point_spacing.h>
+#include <dn/median.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Geometry>
@@ -53,12 +54,10 @@ std::vector<PointAndVector> WithoutOutliers(const std::vector<PointAndVector>& p
   for (const PointAndVector& point : points) {
     off_m.push_back((point.q_b_m - fit.R_bs * point.u_s_m - fit.lever_arm_b_m).norm());
   }
-  std::vector<double> sorted_m = off_m;
-  const auto middle = sorted_m.begin() + static_cast<std::ptrdiff_t>(sorted_m.size() / 2);
-  std::ranges::nth_element(sorted_m, middle);
+  const double most_m = kMostMedians * Median(off_m);
   std::vector<PointAndVector> kept;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (off_m[k] <= kMostMedians * *middle) kept.push_back(points[k]);
+    if (off_m[k] <= most_m) kept.push_back(points[k]);
   }
   return kept;
 }

@@ -1,10 +1,10 @@
+#include <dn/axis_rotations.h>
+#include <dn/fit_rotation.h>
 #include <dn/lidar/mounting_fit.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -23,16 +23,13 @@ constexpr double kLeastSecondAxis =
     1e-4;  // of the second axis of the vectors, relative to the first
 constexpr int kSteps = 6;
 
-/// Returns the rotation of the largest sum of q . (R u): Wahba's problem, without a lever arm.
-/// Returns nullopt if the vectors lie along one line.
+/// Returns the rotation without a lever arm; nullopt if the vectors lie along one line.
 std::optional<Matrix3d> AlignVectors(const std::vector<PointAndVector>& points) {
   Matrix3d sum = Matrix3d::Zero();
   for (const PointAndVector& point : points) sum += point.q_b_m * point.u_s_m.transpose();
-  const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (!(svd.singularValues()[1] > kLeastSecondAxis * svd.singularValues()[0])) return std::nullopt;
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return Matrix3d(svd.matrixU() * Vector3d(1.0, 1.0, sign).asDiagonal() *
-                  svd.matrixV().transpose());
+  const RotationFit fit = FitRotation(sum);
+  if (!(fit.singular_values[1] > kLeastSecondAxis * fit.singular_values[0])) return std::nullopt;
+  return fit.R;
 }
 
 double Rms(const std::vector<PointAndVector>& points, const MountingFit& fit) {
@@ -82,23 +79,9 @@ std::optional<MountingFit> FitMounting(const std::vector<PointAndVector>& points
 }
 
 Matrix3d NearestAxes(const Matrix3d& R) {
-  Matrix3d nearest = Matrix3d::Identity();
-  double largest = -1.0;
-  std::array<int, 3> row{0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Matrix3d axes = Matrix3d::Zero();
-      for (int column = 0; column < 3; ++column) {
-        axes(row[static_cast<std::size_t>(column)], column) =
-            (signs >> column) % 2 == 0 ? 1.0 : -1.0;
-      }
-      const double trace = axes.cwiseProduct(R).sum();  // 1 + 2 cos of the angle between them
-      if (axes.determinant() < 0.0 || trace <= largest) continue;
-      largest = trace;
-      nearest = axes;
-    }
-  } while (std::next_permutation(row.begin(), row.end()));
-  return nearest;
+  // The trace of A^T R is 1 + 2 cos of the angle between the rotations A and R.
+  return std::ranges::max(AxisRotations(), {},
+                          [&](const Matrix3d& axes) { return axes.cwiseProduct(R).sum(); });
 }
 
 }  // namespace dn

@@ -1,3 +1,4 @@
+#include <dn/axis_rotations.h>
 #include <dn/builder/gnss_factors.h>
 #include <dn/builder/node_grid.h>
 #include <dn/median.h>
@@ -287,22 +288,6 @@ double TiltTo(const Eigen::Matrix3d& R, const BodyDirections& directions) {
   const double down = std::acos(std::clamp((R * directions.down_b).z(), -1.0, 1.0));
   if (!directions.course_b) return down;
   return std::max(down, std::acos(std::clamp((R * *directions.course_b).x(), -1.0, 1.0)));
-}
-
-/// Returns the 24 rotations that map axes to axes, the identity first.
-std::vector<Eigen::Matrix3d> AxisRotations() {
-  std::vector<Eigen::Matrix3d> rotations{Eigen::Matrix3d::Identity()};
-  for (int x = 0; x < 6; ++x) {
-    for (int y = 0; y < 6; ++y) {
-      if (x % 3 == y % 3) continue;
-      Eigen::Matrix3d R;
-      R.row(0) = (x < 3 ? 1.0 : -1.0) * Vector3d::Unit(x % 3);
-      R.row(1) = (y < 3 ? 1.0 : -1.0) * Vector3d::Unit(y % 3);
-      R.row(2) = Vector3d(R.row(0)).cross(Vector3d(R.row(1)));
-      rotations.push_back(R);
-    }
-  }
-  return rotations;
 }
 
 }  // namespace
