@@ -22,6 +22,7 @@
 #include "discrepancies.h"
 #include "effect_rows.h"
 #include "gnss_process.h"
+#include "gnss_runs.h"
 #include "model_findings.h"
 #include "network_hypotheses.h"
 #include "node_changes.h"
@@ -102,6 +103,7 @@ class Checker {
     TakeNoise(unmodelled, retest.noise());
     CheckAllDiscrepancies(unmodelled);
     CheckCommonErrors(retest);
+    check_.gnss_runs = CheckGnssRuns(network_, marginals_, watched_, family_);
     check_.p_value = FamilyPValue(smallest_p_, check_.effective_tests);
     return std::move(check_);
   }

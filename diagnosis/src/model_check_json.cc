@@ -80,6 +80,18 @@ Json PriorJson(const PriorCheck& prior) {
           {"p_value", prior.p_value}};
 }
 
+Json GnssRunJson(const GnssRunCheck& run, bool has_boresight) {
+  return {{"t0_s", run.t0_s},
+          {"t1_s", run.t1_s},
+          {"positions", run.positions},
+          {"log_gnss_over_inertial", run.log_gnss_over_inertial},
+          {"shape", run.is_gnss()       ? "gnss"
+                    : run.is_inertial() ? "inertial"
+                                        : "either"},
+          {"boresight_shift_mdeg", ShiftJson(run.boresight_rad, has_boresight)},
+          {"shift_sigmas", run.max_shift_sigmas}};
+}
+
 Json FindingJson(const Finding& finding) {
   return {{"contradicts", finding.contradicts}, {"text", Words(finding)}};
 }
@@ -104,6 +116,7 @@ Json ModelCheckJson(const ModelCheck& check) {
           {"unseen", ConvertAll(check.undetectable, &UndetectableJson, has_boresight)},
           {"rivals", ConvertAll(check.competing_effects, &CompetingEffectJson, has_boresight)},
           {"priors", ConvertAll(check.priors, &PriorJson)},
+          {"gnss_runs", ConvertAll(check.gnss_runs, &GnssRunJson, has_boresight)},
           {"findings", ConvertAll(check.findings, &FindingJson)},
           {"effective_tests",
            check.effective_tests > 0.0 ? Json(check.effective_tests) : Json(nullptr)},

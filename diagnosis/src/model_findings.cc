@@ -149,6 +149,14 @@ void JudgeGnssLeftOut(long left_out, long epochs, ModelCheck* check) {
   if (share > kGnssLeftOut) Add(facts::GnssLeftOut{share}, true, 0.0, check);
 }
 
+void JudgeGnssRuns(ModelCheck* check) {
+  for (const GnssRunCheck& run : check->gnss_runs) {
+    if (run.is_gnss()) continue;
+    Add(facts::GnssRunDoubtful{run, check->of_boresight},
+        run.is_inertial() || run.max_shift_sigmas > kMaxShiftInSigmas, 0.0, check);
+  }
+}
+
 void JudgeControl(ModelCheck* check) {
   constexpr double kControlLeftOut = 1.0 / 3.0;
   if (!check->control) return;
@@ -227,6 +235,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   JudgePairsLeftOut(adjustment.outliers, static_cast<long>(network.pairs().edges().size()), check);
   JudgeGnssLeftOut(static_cast<long>(adjustment.gnss_rejected.size()),
                    static_cast<long>(network.gnss().edges().size()), check);
+  JudgeGnssRuns(check);
   JudgeGroups(check);
   JudgeControl(check);
   AddWarnings(adjustment.warnings, check);

@@ -39,6 +39,7 @@ NamedStatistics ComputeStatistics(const Flight& flight, PairOutliers outliers,
   AdjustOptions options;
   options.with_pairs = flight.pairs.has_value();
   options.interrupted = interrupted;
+  options.final_step_sigmas = 0.1;  // moves the residuals by far less than their noise
   const Solution solution(std::move(AdjustForEvidence(flight, options, outliers).adjustment));
   const Locations locations(solution.network(), solution.linearized(),
                             RedundancyNumbers(solution.marginals()));

@@ -18,7 +18,7 @@ void SolveFinally(AdjustmentRun& run) {
     const bool biases_unchanged = run.network().inertial().BiasChange() < kMaxBiasChange;
     if (k > 0 && biases_unchanged) break;
     if (!biases_unchanged) run.network().Repreintegrate();
-    run.Solve(kName, run.options().max_iterations, AdjustmentRun::kFinalSigmas);
+    run.Solve(kName, run.options().max_iterations, run.options().final_step_sigmas);
   }
   if (run.result().converged) return;
   const StageSummary& last = run.result().stages.back();

@@ -117,9 +117,10 @@ double CorrelatedOverWhite(const GnssProcess& process, const Flight& flight) {
 }
 
 // Solves without the epochs of the jump, then restores those that are closer to the other epochs
-// than to the jump.
-void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_for_good) {
+// than to the jump. Returns whether any epoch is left out for good.
+bool TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_for_good) {
   FlightNetwork& network = run.network();
+  const std::size_t out_before = out_for_good->size();
   for (std::size_t e = jump.first; e <= jump.last; ++e) {
     network.net().SetActive(network.gnss().edges()[e].position, false);
   }
@@ -133,6 +134,7 @@ void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
     network.net().SetActive(id, agrees);
     if (!agrees) out_for_good->insert(id);
   }
+  return out_for_good->size() > out_before;
 }
 
 /// Screens the GNSS epochs of one flight.
@@ -155,9 +157,12 @@ class EpochScreener {
     ExpectHope();
     const GnssScreening screening(network, marginals);
     const std::optional<GnssJump> jump =
-        FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds), noise_ratio_);
+        jumps_ ? FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds), noise_ratio_)
+               : std::nullopt;
     if (jump && jump->statistic > screening.Worst()) {
-      TakeOut(*jump, run_, &rejected_);
+      // The other epochs refute a jump if none of its epochs is closer to it than to them. It would
+      // be found again in every pass.
+      jumps_ = TakeOut(*jump, run_, &rejected_);
     } else if (screening.Apply(rejected_, noise_ratio_, &network.net()) == 0) {
       run_.result().gnss_correlation = TestGnssCorrelation(network, marginals);
       return run_.result().gnss_correlation.significant() && RestoreCorrelatedErrors();
@@ -279,6 +284,7 @@ class EpochScreener {
   std::set<FactorId> rejected_;
   double noise_ratio_ = 1.0;  // see GnssScreening::Apply
   bool restored_ = false;
+  bool jumps_ = true;  // false: the largest jump was refuted
   bool clock_may_step_;
   CostSummary held_, free_;  // with the assumed clock and with a free one, all epochs in use
 };

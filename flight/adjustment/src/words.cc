@@ -187,6 +187,19 @@ std::string Say(const facts::GnssLeftOut& fact) {
       100.0 * fact.share);
 }
 
+std::string Say(const facts::GnssRunDoubtful& fact) {
+  const GnssRunCheck& run = fact.run;
+  return fmt::format(
+      "{} GNSS positions in a row (t = {:.3f} to {:.3f} s) contradict the inertial data and were "
+      "left out, but {} (with these positions, the {} moves by {:.1f} sigma): look for vibration "
+      "or lost rows in the inertial data at that time, and for a slow drift of GNSS; dn gap tests "
+      "both, and time_span_s can exclude that time",
+      run.positions, run.t0_s, run.t1_s,
+      run.is_inertial() ? "their deviations are as smooth as errors of the inertial data"
+                        : "their deviations do not tell which of the two sensors is wrong",
+      fact.moves_boresight ? "boresight" : "trajectory", run.max_shift_sigmas);
+}
+
 double RoundToTenthMillimetre(double value) { return std::round(value * 1e4) / 1e4; }
 
 std::string Say(const facts::GnssLeverArmOff& fact) {

@@ -84,6 +84,7 @@ struct ModelCheck {
   std::vector<UndetectableEffect> undetectable;         ///< largest shift first
   std::vector<CompetingEffectCheck> competing_effects;  ///< competing effects of estimated unknowns
   std::vector<PriorCheck> priors;
+  std::vector<GnssRunCheck> gnss_runs;  ///< GNSS positions that were left out, in time
   std::optional<ControlCheck> control;  ///< of a network with control points
   /// Clock errors. They are from the GNSS screening if it found the clock off, else from the
   /// adjustment if it estimates them. Otherwise offset and drift are estimated jointly from the
@@ -121,6 +122,8 @@ struct ModelCheck {
 ///   competing      score tests with another effect instead of an estimated unknown, and the
 ///                  boresight that it would give.
 ///   priors         predicted residual of each stated prior (PredictFactor).
+///   GNSS runs      likelihood of an error of GNSS (an offset, noise of another size) against that
+///                  of an error of the inertial data, for runs of at least 8 rejected positions.
 ///   others         shares of rejected pairs and GNSS epochs, size of the boresight, sigma0.
 ///
 /// The p-values of single tests are multiplied by the number of tests (Bonferroni), so that their
@@ -156,6 +159,8 @@ struct ModelCheck {
 ///   - a group that is neither explained nor covered has more than twice its variance after the
 ///     found effects, one measurement explains the misfit of its group, or sigma0 exceeds 3;
 ///   - more than 30 % of the pairs or 10 % of the GNSS epochs were rejected;
+///   - a run of rejected GNSS positions has the shape of an error of the inertial data, or it may
+///     have it and shifts a watched unknown by more than its sigma if it is used;
 ///   - the control is shifted at that level, or more than a third of it was rejected;
 ///   - a boresight angle exceeds 15 deg, or the body is upside down;
 ///   - the GNSS clock error has no prior, or exceeds four standard deviations of it, and shifts a

@@ -32,6 +32,9 @@ struct AdjustOptions {
   bool with_pairs = true;  ///< false: INS/GNSS only
   int threads = 1;
   int max_iterations = 40;  ///< per stage
+  /// The final least squares ends with a step that is shorter than this, in standard deviations of
+  /// all unknowns together. The step after it would be shorter by orders of magnitude.
+  double final_step_sigmas = 1e-3;
   /// Called at the start of a stage and after every iteration, with the number of finished
   /// iterations: ("lidar, robust", 3).
   std::function<void(const std::string& stage, int iterations)> progress = {};

@@ -3,6 +3,7 @@
 #include <dn/eigen_alignment.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -114,6 +115,24 @@ struct CompetingEffectCheck {
   /// Boresight with the competing effect minus boresight with the unknown.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
+};
+
+/// A run of GNSS positions that the adjustment left out because they contradict the inertial data.
+/// Its shape may tell which sensor is wrong: an offset with sharp ends, or white noise, is of GNSS.
+struct GnssRunCheck {
+  double t0_s = 0.0, t1_s = 0.0;  ///< first and last of the positions
+  long positions = 0;
+  /// Nats, for an error of GNSS against an error of the inertial data.
+  double log_gnss_over_inertial = 0.0;
+  /// Shift of the boresight if the positions were used.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+  double max_shift_sigmas = 0.0;  ///< largest shift of a watched unknown, in its sigmas
+
+  /// One of the two must be likelier by this factor to be decided for.
+  static constexpr double kDecisiveRatio = 1000.0;
+  bool is_gnss() const { return log_gnss_over_inertial >= std::log(kDecisiveRatio); }
+  /// Also true for an error of GNSS that is as smooth as one of the inertial data.
+  bool is_inertial() const { return log_gnss_over_inertial <= -std::log(kDecisiveRatio); }
 };
 
 /// Test of the stated prior of an unknown against the prediction from all other data.

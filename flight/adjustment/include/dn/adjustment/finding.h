@@ -90,6 +90,12 @@ struct GnssLeftOut {
   double share = 0.0;  ///< share of all epochs
 };
 
+/// A run of GNSS positions was left out, but its shape is not that of an error of GNSS.
+struct GnssRunDoubtful {
+  GnssRunCheck run;
+  bool moves_boresight = false;  ///< otherwise the trajectory
+};
+
 /// The innovations of the GNSS positions indicate another lever arm of the antenna.
 struct GnssLeverArmOff {
   Eigen::Vector3d correction_b_m;
@@ -205,12 +211,12 @@ using Fact =
                  facts::VarianceTooLarge, facts::ErrorsShared, facts::PriorContradicted,
                  facts::VectorsAssumed, facts::GapUnexplained, facts::MountingImpossible,
                  facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
-                 facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
-                 facts::GnssErrorsCorrelated, facts::SigmaTooLarge, facts::SigmaAbovePairs,
-                 facts::AnglesInseparable, facts::TrajectoryEstimated, facts::AttitudeInPairs,
-                 facts::StripsAlike, facts::FewPairs, facts::SigmasWidened, facts::NotEstimated,
-                 facts::NetworkDiffers, facts::ControlPointWrong, facts::ControlShifted,
-                 facts::ControlLeftOut>;
+                 facts::GnssRunDoubtful, facts::GnssLeverArmOff, facts::GnssTimeOff,
+                 facts::InnovationSize, facts::GnssErrorsCorrelated, facts::SigmaTooLarge,
+                 facts::SigmaAbovePairs, facts::AnglesInseparable, facts::TrajectoryEstimated,
+                 facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs, facts::SigmasWidened,
+                 facts::NotEstimated, facts::NetworkDiffers, facts::ControlPointWrong,
+                 facts::ControlShifted, facts::ControlLeftOut>;
 
 /// A fact for or against the assumed model, or a reason of the verdict.
 struct Finding {

@@ -46,9 +46,8 @@ class AdjustmentRun {
   void Announce(const std::string& step) const;
 
   /// Convergence bounds for Solve: length of the last step, in standard deviations of all unknowns
-  /// together. The first is for the final stage, the second for a stage whose result the next one
-  /// refines. The third is for a stage that only decides on rejections.
-  static constexpr double kFinalSigmas = 1e-3;
+  /// together. The first is for a stage whose result the next one refines, the second for a stage
+  /// that only decides on rejections. AdjustOptions has that of the final stage.
   static constexpr double kStageSigmas = 0.1;
   static constexpr double kRoughSigmas = 1.0;
 
