@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 #include <utility>
 
@@ -51,17 +50,6 @@ bool IsThere(const fs::path& file) {
 
 bool IsResultFolder(const std::string& argument) {
   return IsThere(fs::path(argument) / kReduced) && !IsThere(fs::path(argument) / "flight.yaml");
-}
-
-/// Returns the name as the name of a folder: letters, digits, dot, dash and underscore.
-std::string FolderName(const std::string& name) {
-  std::string folder;
-  for (const char c : name) {
-    const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
-                      (c == '.' && !folder.empty());
-    folder += kept ? c : '_';
-  }
-  return folder.empty() ? "flight" : folder;
 }
 
 ReducedFlight ReadReduced(const fs::path& folder) {

@@ -1,15 +1,19 @@
 #include <dn/adjustment/swaths.h>
+#include <dn/error.h>
 #include <dn/files/flight.h>
 #include <dn/files/scanners.h>
 #include <dn/geo/text_table.h>
 #include <dn/matching/match.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "calibrate_flights.h"
 #include "command.h"
 #include "flight_run.h"
 #include "match_flight.h"
+#include "match_flights.h"
 #include "match_scanners.h"
 #include "option_checks.h"
 
@@ -51,9 +55,13 @@ PointFilter MakePointFilter(const MatchCommand& command) {
   return filter;
 }
 
-bool IsFlight(const std::vector<std::string>& what) {
-  return what.size() == 1 &&
-         (fs::is_directory(what[0]) || fs::path(what[0]).extension() == ".yaml");
+bool IsFlight(const std::string& what) {
+  return fs::is_directory(what) || fs::path(what).extension() == ".yaml";
+}
+
+/// Returns whether all are flights; otherwise they are strip files.
+bool AreFlights(const std::vector<std::string>& what) {
+  return std::ranges::all_of(what, IsFlight);
 }
 
 /// Adds the files of a match of one or several scanners.
@@ -108,16 +116,33 @@ void MatchBareCommand(const MatchCommand& command, Run& run) {
   if (result.pairs() == 0) FailNoPairs();
 }
 
+void MatchFlightsCommand(const MatchCommand& command, Run& run) {
+  if (!command.trajectory.empty()) {
+    throw InvalidConfig(
+        "--trajectory is for one flight: with several flights, each uses its own trajectory (key "
+        "trajectory of flight.yaml)");
+  }
+  MatchFlights(command.what, command.common.changes, MakeMatchOptions(command, run),
+               MakePointFilter(command), run);
+}
+
 void RunMatch(const MatchCommand& command, Run& run) {
-  if (IsFlight(command.what)) {
-    MatchFlightCommand(command, run);
+  if (AreFlights(command.what)) {
+    if (command.what.size() > 1) {
+      MatchFlightsCommand(command, run);
+    } else {
+      MatchFlightCommand(command, run);
+    }
   } else {
     MatchBareCommand(command, run);
   }
 }
 
 Inputs MatchInputs(const MatchCommand& command) {
-  if (IsFlight(command.what)) {
+  if (AreFlights(command.what) && command.what.size() > 1) {
+    return FleetInputs(command.what, command.common.changes);
+  }
+  if (AreFlights(command.what)) {
     return FlightInputs(command.what[0], command.common.changes, command.trajectory);
   }
   Inputs inputs;
@@ -132,8 +157,9 @@ void AddMatch(CLI::App* program, Action* action) {
   CLI::App* app = program->add_subcommand(
       "match", "Finds point-to-point correspondences in overlapping strips");
   app->add_option("FLIGHT|STRIP", command->what,
-                  "Flight folder with strips/, YAML file of a flight, or at least two strips "
-                  "(.las, .laz, .txt) without a trajectory")
+                  "Flight folder with strips/, or YAML file of a flight; several flights, whose "
+                  "strips are matched with each other; or at least two strips (.las, .laz, .txt) "
+                  "without a trajectory")
       ->required();
   AddScanner(app, &command->common);
   app->add_option("--trajectory", command->trajectory,

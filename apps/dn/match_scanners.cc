@@ -1,11 +1,8 @@
 #include "match_scanners.h"
 
 #include <dn/files/flight.h>
-#include <dn/matching/loop_redundancy.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "given_trajectory.h"
@@ -16,40 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the options for matches between scanners: the coarser ground sampling distance. Beams
-/// are kept apart if all scanners have as many.
-MatchOptions OptionsBetween(MatchOptions options, const std::vector<MatchedFlight>& each) {
-  const auto beams_of = [](const MatchedFlight& one) {
-    return one.config.lidar->beams ? static_cast<int>(one.config.lidar->beams->count) : 1;
-  };
-  options.beams = beams_of(each.front());
-  double gsd_m = 0.0;
-  for (const MatchedFlight& one : each) {
-    if (beams_of(one) != options.beams) options.beams = 1;
-    gsd_m = std::max(gsd_m, one.result.gsd_m);
-  }
-  options.gsd_m = gsd_m / std::sqrt(options.beams);
-  return options;
-}
-
-/// Adds the matches of one scanner, whose strips begin at `first`, to those of all.
-void AddOwn(const MatchResult& own, std::size_t first, MatchResult* all) {
-  for (StripPairMatch match : own.strip_pairs) {
-    match.i += first;
-    match.j += first;
-    all->strip_pairs.push_back(std::move(match));
-  }
-  std::copy(own.levels.begin(), own.levels.end(), std::back_inserter(all->levels));
-}
-
 std::string PairFile(const MatchedScanners& matched, const StripPairMatch& match) {
-  const ScannersMatchSource& source = *matched.source;
-  const std::string a = matched.Scanner(match.i).name, b = matched.Scanner(match.j).name;
-  const auto strip = [&](std::size_t k) {
-    return source.scanners()[source.ScannerIndex(k)].source->strips()[source.StripIndex(k)].name;
-  };
-  return "lidar_" + a + (a == b ? "" : "_" + b) + "/" + strip(match.i) + "_" + strip(match.j) +
-         ".txt";
+  const std::string &a = matched.ScannerName(match.i), &b = matched.ScannerName(match.j);
+  return "lidar_" + a + (a == b ? "" : "_" + b) + "/" + matched.StripName(match.i) + "_" +
+         matched.StripName(match.j) + ".txt";
 }
 
 /// Returns the entry of two scanners, which is appended if there is none.
@@ -62,17 +29,6 @@ PairsBetween& Between(std::size_t i, std::size_t j, FlightConfig* config) {
   return config->pairs_between.back();
 }
 
-Json ScannersJson(const MatchedScanners& matched) {
-  Json scanners = Json::array();
-  for (std::size_t k = 0; k < matched.each.size(); ++k) {
-    const MatchResult& result = matched.each[k].result;
-    scanners.push_back({{"name", ScannerAt(matched.config, k).name},
-                        {"gsd_m", result.gsd_m},
-                        {"boresight_used_deg", dn::ToJson(result.boresight_rad * kDegPerRad)}});
-  }
-  return {{"scanners", scanners}};
-}
-
 }  // namespace
 
 MatchedScanners MatchScannerStrips(FlightConfig config, const std::string& trajectory,
@@ -82,25 +38,15 @@ MatchedScanners MatchScannerStrips(FlightConfig config, const std::string& traje
   run.ReadsStrips();
   MatchedScanners matched;
   FlightPath path = FindFlightPath(&config, trajectory, run);
-  std::vector<ScannersMatchSource::Scanner> scanners;
+  std::vector<MatchedFlight> each;
+  std::vector<std::string> names;
   for (std::size_t k = 0; k < NumScanners(config); ++k) {
     FlightConfig one = config;
     KeepScanner(k, &one);
-    matched.each.push_back(OpenStrips(std::move(one), path, filter, run));
-    MatchOpened(options, &matched.each.back());
-    scanners.push_back({ScannerAt(config, k).name, matched.each.back().source.get()});
+    each.push_back(OpenStrips(std::move(one), path, filter, run));
+    names.push_back(ScannerAt(config, k).name);
   }
-  matched.source = std::make_unique<ScannersMatchSource>(std::move(scanners));
-  matched.result = MatchScanners(matched.source.get(), OptionsBetween(options, matched.each));
-  std::vector<StripPairMatch> between = std::exchange(matched.result.strip_pairs, {});
-  std::size_t first = 0;
-  for (const MatchedFlight& one : matched.each) {
-    AddOwn(one.result, first, &matched.result);
-    first += one.result.strips.size();
-  }
-  std::ranges::move(between, std::back_inserter(matched.result.strip_pairs));
-  InflateLoops(&matched.result);
-  matched.result.boresight_rad = matched.each.front().result.boresight_rad;
+  static_cast<JointMatches&>(matched) = MatchJointly(std::move(each), names, options);
   matched.config = std::move(config);
   matched.smoothed = std::move(path.smoothed);
   return matched;
@@ -112,7 +58,9 @@ void AddMatches(const MatchedScanners& matched, Run& run) {
                 {matched.Scanner(match.i).time_offset_s, matched.Scanner(match.j).time_offset_s},
                 run);
   }
-  AddMatchFiles(matched.config.name, matched.result, *matched.source, run, ScannersJson(matched));
+  Json more;
+  more["scanners"] = EachJson(matched);
+  AddMatchFiles(matched.config.name, matched.result, *matched.source, run, more);
   AddSwathFiles(matched.result.swaths, matched.each.front().source->frame(), &run);
 }
 

@@ -7,20 +7,16 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "command.h"
-#include "match_flight.h"
+#include "match_jointly.h"
 
 namespace dn::apps {
 
 /// Strips of a flight with several scanners: the matches of each scanner, and those of every two
 /// scanners with each other.
-struct MatchedScanners {
-  FlightConfig config;              ///< names the trajectory in use
-  std::vector<MatchedFlight> each;  ///< the scanners alone
-  std::unique_ptr<ScannersMatchSource> source;
-  MatchResult result;                   ///< of all; the strips are those of `source`
+struct MatchedScanners : JointMatches {
+  FlightConfig config;                  ///< names the trajectory in use
   std::unique_ptr<FlightRun> smoothed;  ///< set if the flight has no trajectory
 
   const LidarConfig& Scanner(std::size_t strip) const {

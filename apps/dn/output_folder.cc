@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <set>
 #include <utility>
@@ -198,6 +199,16 @@ void ExpectRealFolder(const fs::path& folder) {
   throw UnusableOutput(folder.string() +
                        " is a file or link, but the results need a folder of this name; rename it, "
                        "or give another --out");
+}
+
+std::string FolderName(const std::string& name) {
+  std::string folder;
+  for (const char c : name) {
+    const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
+                      (c == '.' && !folder.empty());
+    folder += kept ? c : '_';
+  }
+  return folder.empty() ? "flight" : folder;
 }
 
 }  // namespace dn::apps

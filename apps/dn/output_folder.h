@@ -34,6 +34,9 @@ std::vector<std::string> EarlierResults(const std::filesystem::path& out);
 /// that makes flights may replace a flight folder that such a command made.
 void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool writes_flight);
 
+/// Returns a name as the name of a folder: letters, digits, dot, dash and underscore.
+std::string FolderName(const std::string& name);
+
 /// Throws UnusableOutput if a file or a link has the name of a folder of the results.
 void ExpectRealFolder(const std::filesystem::path& folder);
 

@@ -1,12 +1,14 @@
 #include "strip_differences.h"
 
 #include <dn/adjustment/swath_separation.h>
+#include <dn/median.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 namespace dn::apps {
 namespace {
@@ -36,10 +38,8 @@ Statistics Summarise(const std::vector<SurfaceDifference>& differences) {
     squares_m2 += one.up_m * one.up_m;
   }
   if (up_m.empty()) return all;
-  const auto middle = up_m.begin() + static_cast<std::ptrdiff_t>(up_m.size() / 2);
-  std::ranges::nth_element(up_m, middle);
-  all.median_m = *middle;
   all.rms_m = std::sqrt(squares_m2 / static_cast<double>(up_m.size()));
+  all.median_m = Median(std::move(up_m));
   return all;
 }
 

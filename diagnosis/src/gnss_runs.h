@@ -12,8 +12,8 @@
 
 namespace dn::diagnosis_internal {
 
-/// Log of the ratio of two likelihoods of the residuals r = (map position - measured position) of
-/// GNSS positions that were left out, whitened with their stated noise:
+/// Log of the ratio of two likelihoods of the residuals r of GNSS positions that were left out. The
+/// residuals are predicted minus measured positions, whitened with the stated noise:
 ///
 ///   GNSS is wrong      r ~ N(L b, H + (1 + s^2) I)    one offset b and noise of another size s
 ///   inertial is wrong  r ~ N(0, k^2 H + I)            the trajectory errs k times as much

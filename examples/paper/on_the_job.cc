@@ -3,6 +3,7 @@
 #include <dn/axis_names.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/distributions.h>
+#include <dn/median.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,9 +55,7 @@ double Mean(const SetResult& set, const Scalar& value) {
 double Median(const SetResult& set, const Scalar& value) {
   std::vector<double> values;
   for (const Calibrated& flight : set.flights) values.push_back(value(flight));
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return dn::Median(std::move(values));
 }
 
 std::string MilliDegrees(const Vector3d& deg) {

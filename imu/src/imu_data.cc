@@ -2,6 +2,7 @@
 #include <dn/geo/text_table.h>
 #include <dn/imu/imu_data.h>
 #include <dn/imu/imu_rows.h>
+#include <dn/median.h>
 
 #include <algorithm>
 #include <cassert>
@@ -82,9 +83,7 @@ Intervals FindIntervals(const std::vector<ImuRow>& rows, std::optional<double> m
   constexpr double kEvenShare = 0.8, kNear = 0.25;
   std::vector<double> dt(rows.size() - 1);
   for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
-  const auto middle = dt.begin() + static_cast<std::ptrdiff_t>(dt.size() / 2);
-  std::nth_element(dt.begin(), middle, dt.end());
-  const double median_s = *middle;
+  const double median_s = Median(dt);
   const auto near = std::count_if(
       dt.begin(), dt.end(), [&](double x) { return std::abs(x - median_s) <= kNear * median_s; });
   const bool uneven = static_cast<double>(near) < kEvenShare * static_cast<double>(dt.size());

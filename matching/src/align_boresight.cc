@@ -1,12 +1,11 @@
 #include <dn/fixed_trajectory/gauss_helmert.h>
 #include <dn/rotation.h>
 
-#include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
-#include <random>
+#include <utility>
 
 #include "coarse_alignment.h"
+#include "line_consensus.h"
 
 namespace dn::matching_internal {
 namespace {
@@ -14,15 +13,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kTrials = 2000;
 constexpr double kHuber = 2.5;
-constexpr std::size_t kFewestPairs = 3;
-
-/// The difference of a pair, linearised at a boresight: w + A d.
-struct Line {
-  Vector3d w;
-  Matrix3d A;
-};
 
 GaussHelmertProblem MakeCoarseProblem(const std::vector<CoarsePair>& pairs, double sigma_m,
                                       const MatchOptions& options,
@@ -38,8 +29,9 @@ GaussHelmertProblem MakeCoarseProblem(const std::vector<CoarsePair>& pairs, doub
   return problem;
 }
 
-std::vector<Line> Linearise(const GaussHelmertProblem& problem, const Vector3d& theta_rad) {
-  std::vector<Line> lines;
+std::vector<DifferenceLine<3>> Linearise(const GaussHelmertProblem& problem,
+                                         const Vector3d& theta_rad) {
+  std::vector<DifferenceLine<3>> lines;
   for (const GaussHelmertPair& pair : problem.pairs) {
     const PairLinearisation at =
         LinearisePair(pair, problem.lever_arm_b_m, BoresightModel::kExponential, theta_rad,
@@ -47,42 +39,6 @@ std::vector<Line> Linearise(const GaussHelmertProblem& problem, const Vector3d& 
     lines.push_back({at.w, at.A});
   }
   return lines;
-}
-
-/// Returns the change of the boresight from some of the pairs, with a weak prior at zero.
-Vector3d Solve(const std::vector<Line>& lines, const std::vector<std::size_t>& which,
-               double sigma_m, double prior_rad) {
-  Matrix3d N = Matrix3d::Identity() / (prior_rad * prior_rad);
-  Vector3d h = Vector3d::Zero();
-  for (const std::size_t k : which) {
-    N += lines[k].A.transpose() * lines[k].A / (sigma_m * sigma_m);
-    h += lines[k].A.transpose() * lines[k].w / (sigma_m * sigma_m);
-  }
-  return -N.ldlt().solve(h);
-}
-
-std::vector<std::size_t> Agreeing(const std::vector<Line>& lines, const Vector3d& d,
-                                  double tolerance_m) {
-  std::vector<std::size_t> which;
-  for (std::size_t k = 0; k < lines.size(); ++k) {
-    if ((lines[k].w + lines[k].A * d).norm() < tolerance_m) which.push_back(k);
-  }
-  return which;
-}
-
-/// Returns the pairs that agree with the best of many boresights.
-std::vector<std::size_t> LargestConsensus(const std::vector<Line>& lines, double tolerance_m,
-                                          const MatchOptions& options) {
-  std::mt19937_64 engine(options.seed);
-  std::vector<std::size_t> best;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const std::vector<std::size_t> two{engine() % lines.size(), engine() % lines.size()};
-    if (two[0] == two[1]) continue;
-    const Vector3d d = Solve(lines, two, 0.3 * tolerance_m, options.search_rad);
-    std::vector<std::size_t> which = Agreeing(lines, d, tolerance_m);
-    if (which.size() > best.size()) best = std::move(which);
-  }
-  return best;
 }
 
 }  // namespace
@@ -105,13 +61,13 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
                             const Vector3d& given_boresight_rad, double tolerance_m,
                             const MatchOptions& options, FlightMatchSource* source) {
   AlignmentFit fit;
-  if (pairs.size() < kFewestPairs) return fit;
-  const double sigma_m = 0.3 * tolerance_m;
+  if (pairs.size() < kFewestToAlign) return fit;
+  const double sigma_m = kSigmaPerTolerance * tolerance_m;
   GaussHelmertProblem problem = MakeCoarseProblem(pairs, sigma_m, options, *source);
-  const std::vector<std::size_t> which =
-      LargestConsensus(Linearise(problem, problem.boresight_rad), tolerance_m, options);
+  const std::vector<std::size_t> which = LargestConsensus(
+      Linearise(problem, problem.boresight_rad), tolerance_m, options.search_rad, options.seed);
   fit.agreeing = which.size();
-  if (which.size() < kFewestPairs) return fit;
+  if (which.size() < kFewestToAlign) return fit;
 
   std::vector<GaussHelmertPair> agreeing;
   for (const std::size_t k : which) agreeing.push_back(problem.pairs[k]);
@@ -125,7 +81,7 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
   source->SetBoresight(AdjustGaussHelmert(held, adjust).boresight_rad);
 
   double squares = 0.0;
-  for (const Line& line : Linearise(problem, source->mounting().boresight_rad)) {
+  for (const DifferenceLine<3>& line : Linearise(problem, source->mounting().boresight_rad)) {
     squares += line.w.squaredNorm();
   }
   fit.rms_m = std::sqrt(squares / static_cast<double>(problem.pairs.size()));

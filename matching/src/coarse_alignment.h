@@ -36,6 +36,13 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
                             const Eigen::Vector3d& given_boresight_rad, double tolerance_m,
                             const MatchOptions& options, FlightMatchSource* source);
 
+/// Turns the boresights of some scanners so that most pairs agree within tolerance_m; those of the
+/// others stay. The candidates are those of AlignBoresight. Least squares of the agreeing pairs
+/// follow, with a prior of the standard deviation search_rad about the present boresights.
+AlignmentFit AlignScanners(const std::vector<CoarsePair>& pairs,
+                           const std::vector<std::size_t>& scanners, double tolerance_m,
+                           const MatchOptions& options, const ScannersMatchSource& source);
+
 /// Shifts each strip after the first by the shift with which most pairs agree.
 AlignmentFit AlignShifts(const std::vector<CoarsePair>& pairs, double tolerance_m,
                          BareMatchSource* source);

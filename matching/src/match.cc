@@ -7,6 +7,7 @@
 #include "coarse_alignment.h"
 #include "matcher.h"
 #include "plant_offset.h"
+#include "scanners_matcher.h"
 #include "strip_sample.h"
 
 namespace dn {
@@ -18,6 +19,7 @@ using matching_internal::CoarsePair;
 using matching_internal::Matcher;
 using matching_internal::PlantOptions;
 using matching_internal::PlantPair;
+using matching_internal::ScannersMatcher;
 using matching_internal::StripSample;
 
 constexpr double kPlantOffsetSigma_gsd = 0.5;  // prior; simulated forests have 0.3 to 0.4
@@ -44,6 +46,7 @@ class FlightMatcher : public Matcher {
   }
 
   bool HasBoresight() const override { return true; }
+  bool MustOverlap() const override { return options().must_overlap; }
   Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
 
   bool RemovePlantOffset(MatchResult* result) const override {
@@ -143,38 +146,6 @@ class BareMatcher : public Matcher {
   }
 
   BareMatchSource& source_;
-};
-
-/// The strips are together already, and stay as they are.
-class ScannersMatcher : public Matcher {
- public:
-  ScannersMatcher(ScannersMatchSource* source, const MatchOptions& options)
-      : Matcher(source, options), source_(*source) {}
-
- private:
-  double FirstSearch() const override { return 0.0; }
-
-  AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
-    AlignmentFit fit;
-    double squares_m2 = 0.0;
-    for (const CoarsePair& pair : pairs) {
-      if (pair.difference_m.norm() > tolerance_m) continue;
-      ++fit.agreeing;
-      squares_m2 += pair.difference_m.squaredNorm();
-    }
-    if (fit.agreeing > 0) fit.rms_m = std::sqrt(squares_m2 / static_cast<double>(fit.agreeing));
-    return fit;
-  }
-
-  void AsGiven(const std::function<void()>& work) override { work(); }
-
-  bool Compares(std::size_t i, std::size_t j) const override {
-    return source_.ScannerIndex(i) != source_.ScannerIndex(j);
-  }
-
-  bool MustOverlap() const override { return false; }
-
-  const ScannersMatchSource& source_;
 };
 
 }  // namespace

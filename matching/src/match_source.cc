@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/matching/match_source.h>
+#include <dn/rotation.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,14 @@ void Join(const StripCounts& file, StripCounts* all) {
   all->t_end_s = first ? file.t_end_s : std::max(all->t_end_s, file.t_end_s);
   all->points += file.points;
   for (const auto& [reason, count] : file.dropped) all->dropped[reason] += count;
+}
+
+/// Returns the transformation of positions from one map frame to another.
+Eigen::Isometry3d FromTo(const LocalFrame& from, const LocalFrame& to) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = to.R_me() * from.R_me().transpose();
+  T.translation() = T.linear() * from.r0_m() - to.r0_m();
+  return T;
 }
 
 /// Throws InvalidInput if the points are not in metres. Without a trajectory, no coordinate system
@@ -111,6 +120,8 @@ ScannersMatchSource::ScannersMatchSource(std::vector<Scanner> scanners)
       strips_.back().name = scanners_[k].name + "_" + strips[s].name;
       places_.push_back({k, s});
     }
+    to_first_frame_.push_back(
+        FromTo(scanners_[k].source->frame(), scanners_.front().source->frame()));
   }
 }
 
@@ -120,11 +131,22 @@ StripCounts ScannersMatchSource::Read(std::size_t strip,
 }
 
 Vector3d ScannersMatchSource::Position(std::size_t strip, double t_s, const Vector3d& x) const {
-  return Source(strip).Position(StripIndex(strip), t_s, x);
+  return ToFirstFrame(strip) * Source(strip).Position(StripIndex(strip), t_s, x);
 }
 
 Vector3d ScannersMatchSource::RawAt(std::size_t strip, double t_s, const Vector3d& p_m) const {
-  return Source(strip).RawAt(StripIndex(strip), t_s, p_m);
+  return Source(strip).RawAt(StripIndex(strip), t_s, ToFirstFrame(strip).inverse() * p_m);
+}
+
+Eigen::Matrix3d ScannersMatchSource::TurnDerivative(std::size_t strip, double t_s,
+                                                    const Vector3d& x) const {
+  const FlightMatchSource& own = Source(strip);
+  return -ToFirstFrame(strip).linear() * own.PoseAt(t_s).q_mb.toRotationMatrix() *
+         Skew(LaserVectorInBody(own.mounting(), x));
+}
+
+std::optional<Vector3d> ScannersMatchSource::BodyPosition(std::size_t strip, double t_s) const {
+  return ToFirstFrame(strip) * *Source(strip).BodyPosition(StripIndex(strip), t_s);
 }
 
 BareMatchSource::BareMatchSource(std::vector<MatchStrip> strips, PointFilter filter)

@@ -107,7 +107,7 @@ std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b,
 double Matcher::BaseCell() const { return kRasterCell_gsd * result_.gsd_m; }
 
 const MatchResult& Matcher::BringTogether() {
-  if (source_.strips().size() < 2) {
+  if (source_.strips().size() < 2 && MustOverlap()) {
     throw InvalidInput("correspondences need two strips or more, but there " +
                        std::string(source_.strips().size() == 1 ? "is one" : "are 0"));
   }
@@ -122,9 +122,10 @@ const MatchResult& Matcher::BringTogether() {
 
 MatchResult Matcher::Run() {
   BringTogether();
-  if (HasBoresight()) {
-    MatchAll(kPilotRoots);
+  for (int pilot = 0; HasBoresight() && pilot < MostPilots(); ++pilot) {
+    const double turned_rad = MatchAll(kPilotRoots);
     PlaceSamples();
+    if (turned_rad < kSettledTurn_rad) break;
   }
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   for (int pass = 1; MatchAll(kAll) > kSettledTurn_rad && pass < kMostPasses; ++pass) {
@@ -187,7 +188,9 @@ double Matcher::RunLevel(double search_m) {
   Tell(fmt::format("search within {:.1f} m", search_m));
   std::vector<CoarsePair> pairs;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    for (std::size_t j = i + 1; j < samples_.size(); ++j) FindCoarse(i, j, &level, &pairs);
+    for (std::size_t j = i + 1; j < samples_.size(); ++j) {
+      if (Compares(i, j)) FindCoarse(i, j, &level, &pairs);
+    }
   }
   level.found = pairs.size();
   const AlignmentFit fit = Align(pairs, kToleranceCells * level.cell_m);
@@ -460,7 +463,7 @@ Swath Matcher::MakeSwath(std::size_t strip) const {
   swath.outline_up_m = outline.MeanUp();
   const StripCounts& counts = result_.strips[strip];
   for (const double t_s : EvenTimes(counts.t_begin_s, counts.t_end_s, kPosesOfLine)) {
-    const std::optional<Vector3d> place_m = source_.BodyPosition(t_s);
+    const std::optional<Vector3d> place_m = source_.BodyPosition(strip, t_s);
     if (place_m) swath.line_m.push_back(*place_m);
   }
   return swath;

@@ -50,6 +50,8 @@ class Matcher {
   virtual AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) = 0;
   virtual bool HasBoresight() const { return false; }
   virtual Eigen::Vector3d Boresight() const { return Eigen::Vector3d::Zero(); }
+  /// Returns how often a few cells correct the boresight at most, before all are matched.
+  virtual int MostPilots() const { return 1; }
   /// Corrects the pairs for the range offset of plants; returns whether it did.
   virtual bool RemovePlantOffset(MatchResult* /*result*/) const { return false; }
   /// Calls `work` with the initial alignment.

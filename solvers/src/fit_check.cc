@@ -1,11 +1,13 @@
 #include <dn/distributions.h>
 #include <dn/error.h>
+#include <dn/median.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -43,9 +45,7 @@ double MedianDetectable(const ResidualForm& form, const Eigen::VectorXd& redunda
   for (std::size_t row = 0; row < form.label.size(); ++row) {
     if (form.label[row] >= 0) numbers.push_back(redundancy[static_cast<Eigen::Index>(row)]);
   }
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return test.MinimalDetectableBias(*middle);
+  return test.MinimalDetectableBias(Median(std::move(numbers)));
 }
 
 double TwoSided(double above, double below) { return std::min(1.0, 2.0 * std::min(above, below)); }

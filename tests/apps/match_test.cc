@@ -2,6 +2,8 @@
 #include <dn/geo/local_frame.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
+#include <dn/lidar/mounting.h>
+#include <dn/lidar/pairs.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/report/json.h>
 #include <dn/rotation.h>
@@ -196,6 +198,109 @@ TEST_F(MatchingManyRuns, PlanesAreFoundFromFarOff) {
   const Json angles = Read("far_planes/result.json")["boresight"]["angles_deg"];
   const double truth_deg[] = {4.1, -3.7, 4.4};
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(angles[i].get<double>(), truth_deg[i], 0.1);
+}
+
+const Eigen::Vector3d kBoresight_deg(0.2, 0.03, 0.35);
+const Eigen::Vector3d kEveningBoresight_deg(-2.4, 3.5, 2.1);
+
+/// Returns the ground points of one flight in ECEF, by the true trajectory and boresight.
+class TrueGround {
+ public:
+  TrueGround(const fs::path& folder, const Eigen::Vector3d& boresight_deg)
+      : flight_(ReadFlight(folder, {})), mounting_(flight_.config.lidar->mounting) {
+    mounting_.boresight_rad = boresight_deg * kRadPerDeg;
+  }
+
+  Eigen::Vector3d At(double t_s, const Eigen::Vector3d& u_s) const {
+    const MapPose pose = flight_.reference->MapPoseAt(t_s, flight_.frame);
+    return flight_.frame.R_me().transpose() *
+           (Georeference(pose, mounting_, u_s) + flight_.frame.r0_m());
+  }
+
+ private:
+  Flight flight_;
+  Mounting mounting_;
+};
+
+/// Simulates a second flight over the same ground, with another boresight.
+void SimulateEvening(const fs::path& folder) {
+  const ProgramRun run = RunProgram(
+      {"simulate", (folder / "town.yaml").string(), "--seed", "5", "--set", "name=evening", "--set",
+       "lidar.boresight_deg=[-2.4, 3.5, 2.1]", "--out", (folder / "evening").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST_F(MatchingManyRuns, StripsOfTwoFlightsAreMatchedWithEachOther) {
+  if (!fs::exists(In("evening"))) SimulateEvening(folder_->path());
+  const ProgramRun run = RunProgram({"match", In("flight"), In("evening"), "--out", In("between")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json match = Read("between/match.json");
+  EXPECT_EQ(match["flights"][1]["name"], "evening");
+  EXPECT_EQ(match["strip_pairs"].size(), 4u);
+  for (const Json& strips : match["strip_pairs"]) {
+    EXPECT_THAT(strips["strips"][0].get<std::string>(), StartsWith("short_"));
+    EXPECT_THAT(strips["strips"][1].get<std::string>(), StartsWith("evening_"));
+  }
+  const TrueGround first(In("flight"), kBoresight_deg);
+  const TrueGround second(In("evening"), kEveningBoresight_deg);
+  double chi2 = 0.0;
+  const PairData between = ReadPairs(In("between"), {"between_short_evening/*.txt"});
+  EXPECT_EQ(between.pairs.size(), match["counts"]["pairs"].get<std::size_t>());
+  ASSERT_GT(between.pairs.size(), 50u);
+  for (const LidarPair& pair : between.pairs) {
+    const Eigen::Vector3d apart_m =
+        first.At(pair.t_i_s, pair.u_i_s) - second.At(pair.t_j_s, pair.u_j_s);
+    EXPECT_LT(apart_m.norm(), 0.7);
+    // The axes of the covariance are those of the map frame; its trace does not depend on them.
+    chi2 += 3.0 * apart_m.squaredNorm() / pair.covariance_m2->trace();
+  }
+  const double ratio = chi2 / 3.0 / static_cast<double>(between.pairs.size());
+  EXPECT_GT(ratio, 0.3);
+  EXPECT_LT(ratio, 2.0);
+}
+
+TEST_F(MatchingManyRuns, AFlightOfOneStripIsAlignedByTheOther) {
+  if (!fs::exists(In("evening"))) SimulateEvening(folder_->path());
+  fs::copy(In("evening"), In("single"), fs::copy_options::recursive);
+  fs::remove(In("single/strips/2.las"));
+  const ProgramRun run = RunProgram({"match", In("flight"), In("single"), "--out", In("aligned")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json match = Read("aligned/match.json");
+  ASSERT_EQ(match["strip_pairs"].size(), 2u);
+  EXPECT_GT(match["counts"]["pairs"].get<int>(), 30);
+  const Eigen::Vector3d truth_deg[] = {kBoresight_deg, kEveningBoresight_deg};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Json& used_deg = match["flights"][k]["boresight_used_deg"];
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(used_deg[i].get<double>(), truth_deg[k][i], 0.05) << k << ", " << i;
+    }
+  }
+}
+
+TEST_F(MatchingManyRuns, FlightsOfOneStripAreAlignedTogether) {
+  if (!fs::exists(In("evening"))) SimulateEvening(folder_->path());
+  for (const char* name : {"flight", "evening"}) {
+    const std::string copy = In(std::string("one_strip_of_") + name);
+    fs::copy(In(name), copy, fs::copy_options::recursive);
+    fs::remove(copy + "/strips/2.las");
+  }
+  const ProgramRun run = RunProgram(
+      {"match", In("one_strip_of_flight"), In("one_strip_of_evening"), "--out", In("together")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json match = Read("together/match.json");
+  EXPECT_GT(match["counts"]["pairs"].get<int>(), 30);
+  EXPECT_GT(match["misalignment"]["before"]["rms_m"].get<double>(), 5.0);
+  EXPECT_LT(match["misalignment"]["after"]["rms_m"].get<double>(), 0.3);
+}
+
+TEST_F(Matching, FlightsNeedTheirOwnNamesAndTrajectories) {
+  const ProgramRun names = RunProgram({"match", In("flight"), In("flight"), "--out", In("twice")});
+  EXPECT_EQ(names.exit_code, 2);
+  EXPECT_THAT(names.err, HasSubstr("two flights have the name short"));
+  const ProgramRun path = RunProgram({"match", In("flight"), ShortFlight().string(), "--trajectory",
+                                      In("flight/reference.out"), "--out", In("twice")});
+  EXPECT_EQ(path.exit_code, 2);
+  EXPECT_THAT(path.err, HasSubstr("--trajectory is for one flight"));
 }
 
 TEST_F(Matching, BareStripsGivePositions) {

@@ -24,8 +24,9 @@ using Eigen::VectorXd;
 constexpr Index kPositions = 30;
 constexpr int kDraws = 200;
 
-/// Covariance of a trajectory over a gap of GNSS, in units of the noise of GNSS: a twice integrated
-/// random walk whose position and velocity are known at both ends. The axes are independent.
+/// Covariance of a trajectory over a gap of GNSS, in units of the noise of GNSS. The position is a
+/// twice integrated random walk, and it and the velocity are known at both ends. The axes are
+/// independent.
 MatrixXd BridgeCovariance(double sigma_in_the_middle) {
   const Index steps = kPositions + 2;
   MatrixXd position = MatrixXd::Zero(steps + 1, steps), velocity = position;

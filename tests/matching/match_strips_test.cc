@@ -1,7 +1,10 @@
 #include <dn/error.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
 #include <dn/matching/match.h>
 #include <dn/matching/match_output.h>
+#include <dn/rotation.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,6 +40,33 @@ std::string Strip(const std::vector<Vector3d>& points_m, double t0_s, std::size_
     text += "\n";
   }
   return text;
+}
+
+/// A source of a strip on a straight path, in a map frame with this origin.
+FlightMatchSource StraightFlight(const Geodetic& origin) {
+  NavPoint begin, end;
+  begin.position = {0.8, 0.1, 900.0};
+  begin.q_nb = Exp(Vector3d(0.05, -0.02, 0.7));
+  end = begin;
+  end.t_s = 10.0;
+  end.position.lat_rad += 1e-4;
+  StripSourceOptions options;
+  options.trajectory = Trajectory({begin, end});
+  options.made_with.mounting.boresight_rad = Vector3d(0.01, 0.02, -0.03);
+  return FlightMatchSource(options, LocalFrame(origin), "map", {{"1", {}}});
+}
+
+TEST(ScannersMatchSource, FlightsMayHaveDifferentMapFrames) {
+  FlightMatchSource first = StraightFlight({0.8, 0.1, 400.0});
+  FlightMatchSource second = StraightFlight({0.801, 0.099, 0.0});
+  const ScannersMatchSource source({{"first", &first}, {"second", &second}});
+  const Vector3d u_s(20.0, -300.0, 400.0);
+  const Vector3d p_m = source.Position(0, 4.0, u_s);
+  constexpr double kRounding_m = 1e-6;
+  EXPECT_LT((source.Position(1, 4.0, u_s) - p_m).norm(), kRounding_m);
+  EXPECT_LT((source.RawAt(1, 4.0, p_m) - u_s).norm(), kRounding_m);
+  EXPECT_LT((*source.BodyPosition(1, 4.0) - *source.BodyPosition(0, 4.0)).norm(), kRounding_m);
+  EXPECT_GT((second.Position(0, 4.0, u_s) - p_m).norm(), 1e3);
 }
 
 class BareStrips : public ::testing::Test {

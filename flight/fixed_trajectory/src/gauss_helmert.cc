@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/fixed_trajectory/gauss_helmert.h>
+#include <dn/median.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
 #include <dn/solvers/robust_loss.h>
@@ -319,10 +320,7 @@ class Adjuster {
 
   bool DropOutliers() {
     UpdateNorms();
-    std::vector<double> sorted = norms_m_;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double limit_m = std::max(options_.outlier_medians * *middle, kRoundingM);
+    const double limit_m = std::max(options_.outlier_medians * Median(norms_m_), kRoundingM);
     bool dropped = false;
     for (std::size_t k = 0; k < norms_m_.size(); ++k) {
       if (norms_m_[k] <= limit_m) continue;

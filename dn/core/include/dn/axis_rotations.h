@@ -12,7 +12,7 @@ namespace dn {
 /// They are the possible orientations of an instrument with axes parallel to those of the body.
 inline std::vector<Eigen::Matrix3d> AxisRotations() {
   using Eigen::Vector3d;
-  std::vector<Eigen::Matrix3d> rotations{Eigen::Matrix3d::Identity()};
+  std::vector<Eigen::Matrix3d> rotations;
   for (int x = 0; x < 6; ++x) {
     for (int y = 0; y < 6; ++y) {
       if (x % 3 == y % 3) continue;

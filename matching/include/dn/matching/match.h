@@ -31,6 +31,9 @@ struct MatchOptions {
   /// Number of beams of the scanner. With several beams, each pair is registered from the points of
   /// one beam on each side. A ground sampling distance is then increased to that of one beam.
   int beams = 1;
+  /// Whether a flight without two strips that overlap is an error; otherwise it has no pairs, and
+  /// keeps its boresight.
+  bool must_overlap = true;
   std::uint64_t seed = 0;
   int threads = 1;
   /// Called with the stage and its progress; may throw to stop the work.
@@ -130,10 +133,12 @@ std::vector<MatchLevel> AlignFlight(FlightMatchSource* source, const MatchOption
 /// takes the place of the boresight.
 MatchResult MatchBareStrips(BareMatchSource* source, const MatchOptions& options);
 
-/// Finds the correspondences between strips of different scanners, also of one strip. The
-/// boresights of the sources must bring the strips together to 18 GSD, as those of MatchFlight do,
-/// and are not changed. The ranges of plants are not corrected. Without any overlap the result has
-/// no strip pairs. Throws InvalidInput and InvalidConfig like MatchFlight.
+/// Finds the correspondences between strips of different scanners, also of one strip. They may be
+/// scanners of different flights. The boresights of aligned scanners must bring the strips together
+/// to 18 GSD, as those of MatchFlight do, and are not changed. The others are turned until they
+/// agree with all, from coarse to fine as in MatchFlight. What the pairs leave undetermined stays
+/// near the given boresights. The ranges of plants are not corrected. Without any overlap the
+/// result has no strip pairs. Throws InvalidInput and InvalidConfig like MatchFlight.
 MatchResult MatchScanners(ScannersMatchSource* source, const MatchOptions& options);
 
 }  // namespace dn

@@ -5,6 +5,7 @@
 #include <dn/lidar/mounting.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -60,8 +61,11 @@ class MatchSource {
   virtual Eigen::Vector3d Position(std::size_t strip, double t_s,
                                    const Eigen::Vector3d& x) const = 0;
 
-  /// Returns the position of the body; nullopt for strips without a trajectory. Thread-safe.
-  virtual std::optional<Eigen::Vector3d> BodyPosition(double /*t_s*/) const { return std::nullopt; }
+  /// Returns the position of the body during a strip; nullopt for strips without a trajectory.
+  /// Thread-safe.
+  virtual std::optional<Eigen::Vector3d> BodyPosition(std::size_t /*strip*/, double /*t_s*/) const {
+    return std::nullopt;
+  }
 
   /// Returns the x for which the point has the position p_m.
   virtual Eigen::Vector3d RawAt(std::size_t strip, double t_s,
@@ -81,7 +85,7 @@ class FlightMatchSource : public MatchSource {
   Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
   Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
 
-  std::optional<Eigen::Vector3d> BodyPosition(double t_s) const override {
+  std::optional<Eigen::Vector3d> BodyPosition(std::size_t, double t_s) const override {
     return PoseAt(t_s).p_mb;
   }
   MapPose PoseAt(double t_s) const { return source_.PoseAt(t_s); }
@@ -98,13 +102,15 @@ class FlightMatchSource : public MatchSource {
   std::vector<MatchStrip> strips_;
 };
 
-/// The strips of several scanners of one flight: x is the laser vector in the frame of the strip's
-/// scanner. Each scanner keeps the boresight of its source.
+/// The strips of several scanners, of one flight or of several: x is the laser vector in the frame
+/// of the strip's scanner. Each scanner keeps the boresight of its source. The map frame is that of
+/// the first source.
 class ScannersMatchSource : public MatchSource {
  public:
   struct Scanner {
     std::string name;
-    const FlightMatchSource* source;  ///< must outlive this object
+    FlightMatchSource* source;  ///< must outlive this object
+    bool aligned = true;        ///< false: its boresight may be off by the search angle
   };
 
   /// Names the strips <scanner>_<strip>.
@@ -115,9 +121,11 @@ class ScannersMatchSource : public MatchSource {
                    const std::function<void(const RawPoints&)>& take) const override;
   Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
   Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
-  std::optional<Eigen::Vector3d> BodyPosition(double t_s) const override {
-    return scanners_.front().source->BodyPosition(t_s);
-  }
+  std::optional<Eigen::Vector3d> BodyPosition(std::size_t strip, double t_s) const override;
+
+  /// Returns the derivative of Position by a left rotation of the boresight of the strip's source,
+  /// m/rad.
+  Eigen::Matrix3d TurnDerivative(std::size_t strip, double t_s, const Eigen::Vector3d& x) const;
 
   const std::vector<Scanner>& scanners() const { return scanners_; }
   /// Returns the index of the scanner of a strip, and the index of the strip in its source.
@@ -132,8 +140,12 @@ class ScannersMatchSource : public MatchSource {
   const FlightMatchSource& Source(std::size_t strip) const {
     return *scanners_[ScannerIndex(strip)].source;
   }
+  const Eigen::Isometry3d& ToFirstFrame(std::size_t strip) const {
+    return to_first_frame_[ScannerIndex(strip)];
+  }
 
   std::vector<Scanner> scanners_;
+  std::vector<Eigen::Isometry3d> to_first_frame_;  // from the map frame of each source
   std::vector<MatchStrip> strips_;
   std::vector<Place> places_;
 };

@@ -1,0 +1,75 @@
+#include "match_flights.h"
+
+#include <dn/error.h>
+#include <dn/files/scanners.h>
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "match_jointly.h"
+#include "output_folder.h"
+#include "swath_files.h"
+
+namespace dn::apps {
+namespace {
+
+std::string PairFile(const JointMatches& matches, const StripPairMatch& match) {
+  return fmt::format("between_{}_{}/{}_{}.txt", FolderName(matches.ScannerName(match.i)),
+                     FolderName(matches.ScannerName(match.j)), matches.StripName(match.i),
+                     matches.StripName(match.j));
+}
+
+void ExpectOwnName(const std::string& name, const std::vector<std::string>& names) {
+  for (const std::string& other : names) {
+    if (FolderName(other) != FolderName(name)) continue;
+    throw InvalidConfig("two flights have the name " + name +
+                        ": give each its own (key `name` of flight.yaml)");
+  }
+}
+
+MatchedFlight OpenFlight(FlightConfig config, const PointFilter& filter, Run& run) {
+  ExpectMatchable(config);
+  ExpectOneScanner(config, "matching between flights");
+  FlightPath path = FindFlightPath(&config, "", run);
+  return OpenStrips(std::move(config), path, filter, run);
+}
+
+/// Keeps the pairs between flights only.
+void KeepBetween(JointMatches* matches) {
+  std::erase_if(matches->result.strip_pairs, [&](const StripPairMatch& match) {
+    return matches->source->ScannerIndex(match.i) == matches->source->ScannerIndex(match.j);
+  });
+}
+
+}  // namespace
+
+void MatchFlights(const std::vector<std::string>& flights, const std::vector<std::string>& changes,
+                  const MatchOptions& options, const PointFilter& filter, Run& run) {
+  run.ReadsStrips();
+  std::vector<MatchedFlight> each;
+  std::vector<std::string> names;
+  for (const std::string& flight : flights) {
+    FlightConfig config = ReadFlightConfig(flight, changes);
+    ExpectOwnName(config.name, names);
+    names.push_back(config.name);
+    each.push_back(OpenFlight(std::move(config), filter, run));
+  }
+  JointMatches matches = MatchJointly(std::move(each), names, options);
+  KeepBetween(&matches);
+  for (const StripPairMatch& match : matches.result.strip_pairs) {
+    const auto offset_s = [&](std::size_t strip) {
+      return matches.each[matches.source->ScannerIndex(strip)].config.lidar->time_offset_s;
+    };
+    AddPairFile(PairFile(matches, match), match, matches.result,
+                {offset_s(match.i), offset_s(match.j)}, run);
+  }
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  Json more;
+  more["flights"] = EachJson(matches);
+  AddMatchFiles(all, matches.result, *matches.source, run, more);
+  AddSwathFiles(matches.result.swaths, matches.each.front().source->frame(), &run);
+  if (matches.result.pairs() == 0) FailNoPairs();
+}
+
+}  // namespace dn::apps
