@@ -127,27 +127,23 @@ void MatchFlightsCommand(const MatchCommand& command, Run& run) {
 }
 
 void RunMatch(const MatchCommand& command, Run& run) {
-  if (AreFlights(command.what)) {
-    if (command.what.size() > 1) {
-      MatchFlightsCommand(command, run);
-    } else {
-      MatchFlightCommand(command, run);
-    }
-  } else {
+  if (!AreFlights(command.what)) {
     MatchBareCommand(command, run);
+  } else if (command.what.size() > 1) {
+    MatchFlightsCommand(command, run);
+  } else {
+    MatchFlightCommand(command, run);
   }
 }
 
 Inputs MatchInputs(const MatchCommand& command) {
-  if (AreFlights(command.what) && command.what.size() > 1) {
-    return FleetInputs(command.what, command.common.changes);
+  if (!AreFlights(command.what)) {
+    Inputs inputs;
+    for (const std::string& file : command.what) inputs.files.emplace_back(file);
+    return inputs;
   }
-  if (AreFlights(command.what)) {
-    return FlightInputs(command.what[0], command.common.changes, command.trajectory);
-  }
-  Inputs inputs;
-  for (const std::string& file : command.what) inputs.files.emplace_back(file);
-  return inputs;
+  if (command.what.size() > 1) return FleetInputs(command.what, command.common.changes);
+  return FlightInputs(command.what[0], command.common.changes, command.trajectory);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 
 #include "match_jointly.h"
 #include "output_folder.h"
-#include "swath_files.h"
 
 namespace dn::apps {
 namespace {
@@ -56,19 +55,9 @@ void MatchFlights(const std::vector<std::string>& flights, const std::vector<std
   }
   JointMatches matches = MatchJointly(std::move(each), names, options);
   KeepBetween(&matches);
-  for (const StripPairMatch& match : matches.result.strip_pairs) {
-    const auto offset_s = [&](std::size_t strip) {
-      return matches.each[matches.source->ScannerIndex(strip)].config.lidar->time_offset_s;
-    };
-    AddPairFile(PairFile(matches, match), match, matches.result,
-                {offset_s(match.i), offset_s(match.j)}, run);
-  }
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  Json more;
-  more["flights"] = EachJson(matches);
-  AddMatchFiles(all, matches.result, *matches.source, run, more);
-  AddSwathFiles(matches.result.swaths, matches.each.front().source->frame(), &run);
+  AddJointMatches(
+      matches, fmt::format("{}", fmt::join(names, ", ")), "flights",
+      [&](const StripPairMatch& match) { return PairFile(matches, match); }, run);
   if (matches.result.pairs() == 0) FailNoPairs();
 }
 

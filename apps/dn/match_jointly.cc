@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "swath_files.h"
+
 namespace dn::apps {
 namespace {
 
@@ -36,6 +38,18 @@ void AddOwn(const MatchResult& own, std::size_t first, MatchResult* all) {
     all->strip_pairs.push_back(std::move(match));
   }
   std::copy(own.levels.begin(), own.levels.end(), std::back_inserter(all->levels));
+}
+
+/// Returns name, ground sampling distance and boresight of each scanner.
+Json EachJson(const JointMatches& matches) {
+  Json each = Json::array();
+  for (std::size_t k = 0; k < matches.each.size(); ++k) {
+    const MatchResult& result = matches.each[k].result;
+    each.push_back({{"name", matches.source->scanners()[k].name},
+                    {"gsd_m", result.gsd_m},
+                    {"boresight_used_deg", dn::ToJson(result.boresight_rad * kDegPerRad)}});
+  }
+  return each;
 }
 
 }  // namespace
@@ -78,15 +92,19 @@ JointMatches MatchJointly(std::vector<MatchedFlight> each, const std::vector<std
   return matches;
 }
 
-Json EachJson(const JointMatches& matches) {
-  Json each = Json::array();
-  for (std::size_t k = 0; k < matches.each.size(); ++k) {
-    const MatchResult& result = matches.each[k].result;
-    each.push_back({{"name", matches.source->scanners()[k].name},
-                    {"gsd_m", result.gsd_m},
-                    {"boresight_used_deg", dn::ToJson(result.boresight_rad * kDegPerRad)}});
+void AddJointMatches(const JointMatches& matches, const std::string& name, const std::string& each,
+                     const std::function<std::string(const StripPairMatch&)>& pair_file, Run& run) {
+  const auto offset_s = [&](std::size_t strip) {
+    return matches.each[matches.source->ScannerIndex(strip)].config.lidar->time_offset_s;
+  };
+  for (const StripPairMatch& match : matches.result.strip_pairs) {
+    AddPairFile(pair_file(match), match, matches.result, {offset_s(match.i), offset_s(match.j)},
+                run);
   }
-  return each;
+  Json more;
+  more[each] = EachJson(matches);
+  AddMatchFiles(name, matches.result, *matches.source, run, more);
+  AddSwathFiles(matches.result.swaths, matches.each.front().source->frame(), &run);
 }
 
 }  // namespace dn::apps

@@ -2,6 +2,7 @@
 
 #include <dn/matching/match.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,7 +29,10 @@ struct JointMatches {
 JointMatches MatchJointly(std::vector<MatchedFlight> each, const std::vector<std::string>& names,
                           const MatchOptions& options);
 
-/// Returns name, ground sampling distance and boresight of each scanner.
-Json EachJson(const JointMatches& matches);
+/// Stages the pair files, with the names that `pair_file` gives them, and the files of
+/// AddMatchFiles. match.json has name, ground sampling distance and boresight of each scanner under
+/// the key `each`. `name`: that of the flight or flights.
+void AddJointMatches(const JointMatches& matches, const std::string& name, const std::string& each,
+                     const std::function<std::string(const StripPairMatch&)>& pair_file, Run& run);
 
 }  // namespace dn::apps

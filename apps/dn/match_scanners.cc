@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "given_trajectory.h"
-#include "swath_files.h"
 
 namespace dn::apps {
 namespace {
@@ -36,7 +35,6 @@ MatchedScanners MatchScannerStrips(FlightConfig config, const std::string& traje
                                    Run& run) {
   ExpectMatchable(config);
   run.ReadsStrips();
-  MatchedScanners matched;
   FlightPath path = FindFlightPath(&config, trajectory, run);
   std::vector<MatchedFlight> each;
   std::vector<std::string> names;
@@ -46,22 +44,14 @@ MatchedScanners MatchScannerStrips(FlightConfig config, const std::string& traje
     each.push_back(OpenStrips(std::move(one), path, filter, run));
     names.push_back(ScannerAt(config, k).name);
   }
-  static_cast<JointMatches&>(matched) = MatchJointly(std::move(each), names, options);
-  matched.config = std::move(config);
-  matched.smoothed = std::move(path.smoothed);
-  return matched;
+  return {MatchJointly(std::move(each), names, options), std::move(config),
+          std::move(path.smoothed)};
 }
 
 void AddMatches(const MatchedScanners& matched, Run& run) {
-  for (const StripPairMatch& match : matched.result.strip_pairs) {
-    AddPairFile(PairFile(matched, match), match, matched.result,
-                {matched.Scanner(match.i).time_offset_s, matched.Scanner(match.j).time_offset_s},
-                run);
-  }
-  Json more;
-  more["scanners"] = EachJson(matched);
-  AddMatchFiles(matched.config.name, matched.result, *matched.source, run, more);
-  AddSwathFiles(matched.result.swaths, matched.each.front().source->frame(), &run);
+  AddJointMatches(
+      matched, matched.config.name, "scanners",
+      [&](const StripPairMatch& match) { return PairFile(matched, match); }, run);
 }
 
 FlightConfig WithMatches(const MatchedScanners& matched, const fs::path& folder,

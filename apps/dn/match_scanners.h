@@ -18,10 +18,6 @@ namespace dn::apps {
 struct MatchedScanners : JointMatches {
   FlightConfig config;                  ///< names the trajectory in use
   std::unique_ptr<FlightRun> smoothed;  ///< set if the flight has no trajectory
-
-  const LidarConfig& Scanner(std::size_t strip) const {
-    return ScannerAt(config, source->ScannerIndex(strip));
-  }
 };
 
 /// Matches the strips. The trajectory is that of FindFlightPath.

@@ -2,6 +2,7 @@
 
 #include <dn/effects/gnss_process_prior.h>
 #include <dn/files/flight_config.h>
+#include <dn/navigation/antenna_derivative.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,24 +19,13 @@ constexpr int kMostProcessCosines = 30;
 // Larger sizes, in standard deviations of their logarithm above the prior, are not usual.
 constexpr double kUsualSigmas = 3.0;
 
-/// Returns the derivative of a position by an error along each axis; empty if it is not active.
-Eigen::MatrixXd ErrorDerivative(const FlightNetwork& network, const LinearizedNetwork& linearized,
-                                const GnssEdge& edge) {
-  if (!linearized.FindRows(edge.position)) return {};
-  // An error moves the antenna as the position of the body does.
-  const BlockId p_mb = network.nodes()[edge.node].p_mb.id;
-  for (const auto& [block, J] : linearized.EvaluateFactorAt(edge.position).jacobian) {
-    if (block == p_mb) return J * network.flight().gnss->epochs[edge.epoch].R_m_enu;
-  }
-  return {};
-}
-
 EffectModel MakeColumns(const FlightNetwork& network, const LinearizedNetwork& linearized,
                         const Cosines& cosines) {
   EffectModel columns;
   for (const GnssEdge& edge : network.gnss().edges()) {
-    const Eigen::MatrixXd J = ErrorDerivative(network, linearized, edge);
-    if (J.size() == 0) continue;
+    if (!linearized.FindRows(edge.position)) continue;
+    const Eigen::MatrixXd J = AntennaDerivative(network, linearized, edge) *
+                              network.flight().gnss->epochs[edge.epoch].R_m_enu;
     const Eigen::VectorXd weight = cosines.At(network.nodes()[edge.node].t_s);
     EffectPart part{edge.position, Eigen::MatrixXd(J.rows(), 3 * cosines.count)};
     for (int k = 0; k < cosines.count; ++k) part.L.middleCols<3>(3 * k) = weight[k] * J;

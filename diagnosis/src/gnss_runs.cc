@@ -1,5 +1,6 @@
 #include "gnss_runs.h"
 
+#include <dn/navigation/antenna_derivative.h>
 #include <dn/symmetric_eigen.h>
 
 #include <Eigen/Cholesky>
@@ -69,7 +70,7 @@ PredictedRun Predict(const FlightNetwork& network, const Marginals& marginals, c
   const LinearizedNetwork& linearized = marginals.linearized();
   const auto n = 3 * static_cast<Index>(run.size());
   VectorXd r(n);
-  MatrixXd L = MatrixXd::Zero(n, 3);
+  MatrixXd L(n, 3);
   BlockColumns J_transposed;
   for (std::size_t k = 0; k < run.size(); ++k) {
     const GnssEdge& edge = network.gnss().edges()[run[k]];
@@ -78,10 +79,7 @@ PredictedRun Predict(const FlightNetwork& network, const Marginals& marginals, c
                   [&](const auto& of_block) { return linearized.FirstColumn(of_block.first) < 0; });
     const auto first = 3 * static_cast<Index>(k);
     r.segment<3>(first) = factor.residual;
-    for (const auto& [block, J] : factor.jacobian) {
-      // An offset moves the antenna as the position of the body does.
-      if (block == network.nodes()[edge.node].p_mb.id) L.middleRows<3>(first) = J;
-    }
+    L.middleRows<3>(first) = AntennaDerivative(network, linearized, edge);
     AddTransposed(factor, first, n, &J_transposed);
   }
   Marginals::Columns change = marginals.Solve(J_transposed);

@@ -57,9 +57,9 @@ class PairLines {
 };
 
 void Turn(const VectorXd& d, const std::vector<std::size_t>& scanners,
-          const ScannersMatchSource& source) {
+          ScannersMatchSource* source) {
   for (std::size_t k = 0; k < scanners.size(); ++k) {
-    FlightMatchSource& own = *source.scanners()[scanners[k]].source;
+    FlightMatchSource& own = *source->scanners()[scanners[k]].source;
     const Vector3d turn_rad = d.segment<3>(3 * static_cast<Index>(k));
     own.SetBoresight(Log(Exp(turn_rad) * Exp(own.mounting().boresight_rad)));
   }
@@ -69,9 +69,9 @@ void Turn(const VectorXd& d, const std::vector<std::size_t>& scanners,
 
 AlignmentFit AlignScanners(const std::vector<CoarsePair>& pairs,
                            const std::vector<std::size_t>& scanners, double tolerance_m,
-                           const MatchOptions& options, const ScannersMatchSource& source) {
+                           const MatchOptions& options, ScannersMatchSource* source) {
   AlignmentFit fit;
-  const PairLines all(scanners, source);
+  const PairLines all(scanners, *source);
   std::vector<CoarsePair> own;
   std::ranges::copy_if(pairs, std::back_inserter(own),
                        [&](const CoarsePair& pair) { return all.Depends(pair); });

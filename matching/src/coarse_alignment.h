@@ -41,7 +41,7 @@ AlignmentFit AlignBoresight(const std::vector<CoarsePair>& pairs,
 /// follow, with a prior of the standard deviation search_rad about the present boresights.
 AlignmentFit AlignScanners(const std::vector<CoarsePair>& pairs,
                            const std::vector<std::size_t>& scanners, double tolerance_m,
-                           const MatchOptions& options, const ScannersMatchSource& source);
+                           const MatchOptions& options, ScannersMatchSource* source);
 
 /// Shifts each strip after the first by the shift with which most pairs agree.
 AlignmentFit AlignShifts(const std::vector<CoarsePair>& pairs, double tolerance_m,

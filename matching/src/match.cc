@@ -30,16 +30,7 @@ class FlightMatcher : public Matcher {
       : Matcher(source, options), source_(*source), given_rad_(source->mounting().boresight_rad) {}
 
  private:
-  /// Opposite strips move apart by twice the shift that the angle causes at the mean range. Half of
-  /// this shift is added for the other angles.
-  double FirstSearch() const override {
-    double sum_m = 0.0, count = 0.0;
-    for (const StripSample& sample : samples()) {
-      for (const Eigen::Vector3f& x : sample.x) sum_m += static_cast<double>(x.norm());
-      count += static_cast<double>(sample.size());
-    }
-    return 2.5 * sum_m / count * std::tan(options().search_rad);
-  }
+  double FirstSearch() const override { return ShiftByAngles(); }
 
   AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
     return matching_internal::AlignBoresight(pairs, given_rad_, tolerance_m, options(), &source_);

@@ -175,6 +175,15 @@ void Matcher::ReadSamples() {
   }
 }
 
+double Matcher::ShiftByAngles() const {
+  double sum_m = 0.0, count = 0.0;
+  for (const StripSample& sample : samples_) {
+    for (const Eigen::Vector3f& x : sample.x) sum_m += static_cast<double>(x.norm());
+    count += static_cast<double>(sample.size());
+  }
+  return 2.5 * sum_m / count * std::tan(options_.search_rad);
+}
+
 void Matcher::PlaceSamples() {
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     Place(source_, s, options_.threads, &samples_[s]);

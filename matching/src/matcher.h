@@ -61,8 +61,11 @@ class Matcher {
   /// Returns whether strips without any overlap are an error.
   virtual bool MustOverlap() const { return true; }
 
-  const std::vector<StripSample>& samples() const { return samples_; }
   const MatchOptions& options() const { return options_; }
+  /// Returns how far boresights within the search angle move two strips apart, m. Opposite strips,
+  /// or two scanners, move apart by twice the shift that the angle causes at the mean range. Half
+  /// of this shift is added for the other angles.
+  double ShiftByAngles() const;
 
  private:
   /// Returns the side of the cells of the finest rasters, m.

@@ -1,7 +1,5 @@
 #include "scanners_matcher.h"
 
-#include <cmath>
-
 #include "coarse_alignment.h"
 
 namespace dn::matching_internal {
@@ -17,20 +15,8 @@ ScannersMatcher::ScannersMatcher(ScannersMatchSource* source, const MatchOptions
   }
 }
 
-/// The points of two scanners that turn may move apart by twice the shift that the angle causes at
-/// the mean range. Half of this shift is added for the other angles.
-double ScannersMatcher::FirstSearch() const {
-  if (loose_.empty()) return 0.0;
-  double sum_m = 0.0, count = 0.0;
-  for (const StripSample& sample : samples()) {
-    for (const Eigen::Vector3f& x : sample.x) sum_m += static_cast<double>(x.norm());
-    count += static_cast<double>(sample.size());
-  }
-  return 2.5 * sum_m / count * std::tan(options().search_rad);
-}
-
 AlignmentFit ScannersMatcher::Align(const std::vector<CoarsePair>& pairs, double tolerance_m) {
-  return AlignScanners(pairs, loose_, tolerance_m, options(), source_);
+  return AlignScanners(pairs, loose_, tolerance_m, options(), &source_);
 }
 
 Vector3d ScannersMatcher::Boresight() const {

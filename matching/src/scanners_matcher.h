@@ -15,7 +15,7 @@ class ScannersMatcher : public Matcher {
   ScannersMatcher(ScannersMatchSource* source, const MatchOptions& options);
 
  private:
-  double FirstSearch() const override;
+  double FirstSearch() const override { return loose_.empty() ? 0.0 : ShiftByAngles(); }
   AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override;
   bool HasBoresight() const override { return !loose_.empty(); }
   /// Returns the boresight of the first scanner that turns; zero if all stay.
@@ -27,6 +27,7 @@ class ScannersMatcher : public Matcher {
   bool MustOverlap() const override { return false; }
 
   FlightMatchSource& Scanner(std::size_t k) const { return *source_.scanners()[k].source; }
+
   ScannersMatchSource& source_;
   std::vector<std::size_t> loose_;          // scanners that turn
   std::vector<Eigen::Vector3d> given_rad_;  // boresights of the loose_ at first

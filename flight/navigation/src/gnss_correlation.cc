@@ -1,4 +1,5 @@
 #include <dn/median.h>
+#include <dn/navigation/antenna_derivative.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/solvers/residual_form.h>
 
@@ -32,14 +33,11 @@ std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
   for (const GnssEdge& edge : network.gnss().edges()) {
     const auto rows = linearized.FindRows(edge.position);
     if (!rows) continue;
-    const BlockId p_mb = network.nodes()[edge.node].p_mb.id;
     const Eigen::Matrix3d R_m_enu =
         network.flight().frame.R_m_enu(network.trajectory().NodePose(edge.node).p_mb);
-    for (const auto& [block, J] : linearized.EvaluateFactorAt(edge.position).jacobian) {
-      if (block != p_mb) continue;
-      positions.push_back(
-          {linearized.t_s(edge.position), rows->first, std::sqrt(rows->weight) * J * R_m_enu});
-    }
+    positions.push_back(
+        {linearized.t_s(edge.position), rows->first,
+         std::sqrt(rows->weight) * AntennaDerivative(network, linearized, edge) * R_m_enu});
   }
   return positions;
 }
