@@ -246,7 +246,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
   run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.pairs = needs.trajectory = true;
-  needs.imu = needs.gnss = needs.control = with_network;
+  needs.imu = needs.gnss = needs.control = needs.ties = with_network;
   Flight flight = ReadFlight(config, needs);
   ExpectPairClock(flight);
   *read_s = flight.read_time_s;
@@ -432,9 +432,10 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
     CalibrateSeveral(options, run);
     return;
   }
-  if (!options.fleet.across.empty() || options.fleet.include_uncalibrated) {
+  const FleetOptions& fleet = options.fleet;
+  if (!fleet.across.empty() || !fleet.between.empty() || fleet.include_uncalibrated) {
     throw InvalidConfig(
-        "--across and --include-uncalibrated are for several flights, but there is "
+        "--across, --between and --include-uncalibrated are for several flights, but there is "
         "one; give the others, too");
   }
   const FlightConfig config =

@@ -16,6 +16,7 @@
 
 #include "fleet_clouds.h"
 #include "flight_identity.h"
+#include "flight_pairs.h"
 #include "flight_processes.h"
 #include "input_files.h"
 #include "json_file.h"
@@ -35,6 +36,7 @@ constexpr std::size_t kFewestFlights = 2;
 struct Member {
   std::string argument;
   std::optional<FlightConfig> config;  ///< absent for a result folder
+  std::vector<std::string> changes;    ///< --set values
   std::string name;                    ///< also that of its folder in --out
   fs::path folder;                     ///< of its result
   ReducedFlight flight;                ///< with its hashes only, before it is calibrated
@@ -86,6 +88,7 @@ class FleetRun {
     FindAcross();
     ExpectOneMounting();
     if (options_.georef) ExpectStrips();
+    if (!options_.between.empty()) TieMembers();
     run_.progress().Stage("reading the data's hashes");
     for (Member& member : members_) FindEarlier(&member);
     ExpectDifferent();
@@ -110,6 +113,7 @@ class FleetRun {
         member.name = member.flight.name;
         member.ready = member.found = true;
       } else {
+        member.changes = changes_;
         member.config = ReadFlightConfig(member.argument, changes_);
         ExpectSections(*member.config);
         member.name = member.config->name;
@@ -163,6 +167,21 @@ class FleetRun {
     }
   }
 
+  /// Gives each flight its pairs with the others.
+  void TieMembers() {
+    std::vector<std::string> names;
+    for (const Member& member : members_) {
+      names.push_back(member.config ? member.config->name : member.flight.name);
+    }
+    const std::vector<std::string> ties = FindFlightPairs(options_.between, names);
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      Member& member = members_[k];
+      if (!member.config || ties[k].empty()) continue;
+      member.changes.push_back(ties[k]);
+      member.config = ReadFlightConfig(member.argument, member.changes);
+    }
+  }
+
   void ExpectStrips() const {
     for (const Member& member : members_) {
       if (!member.config) {
@@ -190,7 +209,7 @@ class FleetRun {
   /// Takes the earlier result of a flight if it is of the same data and configuration.
   void FindEarlier(Member* member) const {
     if (!member->config) return;
-    SetIdentity(*member->config, changes_, &member->flight);
+    SetIdentity(*member->config, member->changes, &member->flight);
     if (!IsThere(member->folder / kReduced)) return;
     member->found = TakeResult(member);
     if (!member->found) member->failure.clear();
@@ -235,7 +254,7 @@ class FleetRun {
 
   void CalibrateOne(int threads, Member* member) const {
     const int exit_code =
-        RunIntoFolder({"calibrate", member->argument}, changes_, threads, member->folder);
+        RunIntoFolder({"calibrate", member->argument}, member->changes, threads, member->folder);
     if (IsThere(member->folder / kReduced) && TakeResult(member)) {
       std::error_code none;
       fs::remove(LogFile(member->folder), none);
@@ -331,6 +350,8 @@ void AddFleetOptions(CLI::App* app, FleetOptions* options) {
                   "memory of one")
       ->check(WholeNumber(1, 1024))
       ->capture_default_str();
+  app->add_option("--between", options->between,
+                  "Several flights: folder of `dn match A B ...` with the pairs between them");
   app->add_flag("--include-uncalibrated", options->include_uncalibrated,
                 "Several flights: also combines flights whose verdict is not `calibrated`");
 }

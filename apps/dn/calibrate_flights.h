@@ -12,10 +12,11 @@ struct FleetOptions {
   std::string across;                 ///< section `across` as YAML; empty: that of the flights
   int at_once = 1;                    ///< flights that are calibrated at the same time
   bool include_uncalibrated = false;  ///< also takes flights whose verdict is not `calibrated`
+  std::string between;                ///< folder with pairs between flights; empty: none
   bool georef = false;                ///< also georeferences the strips of each flight
 };
 
-/// Adds --across, --at-once and --include-uncalibrated.
+/// Adds --across, --at-once, --include-uncalibrated and --between.
 void AddFleetOptions(CLI::App* app, FleetOptions* options);
 
 /// Returns the inputs of all flights. A flight may be a result folder with a reduced.json.

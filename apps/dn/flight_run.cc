@@ -181,7 +181,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.imu = true;
   needs.gnss = true;
   needs.pairs = with_pairs;
-  needs.control = with_pairs;
+  needs.control = needs.ties = with_pairs;
   needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
   ExpectPairClock(flight);

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "flight_pairs.h"
 #include "match_jointly.h"
 #include "output_folder.h"
 
@@ -13,9 +14,9 @@ namespace dn::apps {
 namespace {
 
 std::string PairFile(const JointMatches& matches, const StripPairMatch& match) {
-  return fmt::format("between_{}_{}/{}_{}.txt", FolderName(matches.ScannerName(match.i)),
-                     FolderName(matches.ScannerName(match.j)), matches.StripName(match.i),
-                     matches.StripName(match.j));
+  return fmt::format("{}/{}_{}.txt",
+                     BetweenFolder(matches.ScannerName(match.i), matches.ScannerName(match.j)),
+                     matches.StripName(match.i), matches.StripName(match.j));
 }
 
 void ExpectOwnName(const std::string& name, const std::vector<std::string>& names) {

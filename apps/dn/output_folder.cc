@@ -114,6 +114,7 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
     for (const PairsBetween& between : config.pairs_between) {
       AddPairFiles(folder, between.p2p, inputs);
     }
+    for (const TieFiles& files : config.ties) AddPairFiles(folder, files.p2p, inputs);
   } catch (const std::exception&) {
     return;  // the command will say what is wrong
   }

@@ -256,11 +256,12 @@ class Checker {
   }
 
   /// Returns the score of the hypotheses. Its shift has the watched unknowns first, then the
-  /// ReportedUnknowns, then the mountings of several scanners, then the control.
+  /// ReportedUnknowns, then the mountings of several scanners, the tie points, and the control.
   JointScore ScoreHypotheses() const {
     std::vector<BlockId> shifted = watched_;
     for (const BlockId unknown : ReportedUnknowns()) shifted.push_back(unknown);
     for (const BlockId unknown : MountingUnknowns(network_)) shifted.push_back(unknown);
+    for (const ControlNode& tie : network_.ties().points()) shifted.push_back(tie.deviation);
     for (const BlockId block : ControlDeviations(network_)) shifted.push_back(block);
     return ScoreEffects(marginals_, library_.blocks, shifted);
   }
@@ -310,6 +311,8 @@ class Checker {
       row += size;
     }
     TakeMountings(unmodelled, row, &effects);
+    effects.posterior.first_tie =
+        row + 3 * static_cast<Eigen::Index>(MountingUnknowns(network_).size());
   }
 
   /// Takes what unmodelled effects change in the mountings of several scanners. `row` is the first

@@ -71,7 +71,8 @@ class NetworkHypotheses {
     AddInertial();
     AddGnss();
     AddPairs();
-    AddControl();
+    AddControl(network_.control());
+    AddControl(network_.ties());
     Library out;
     const std::size_t first_discrepancy = found_.hypotheses.size() - num_discrepancies_;
     for (std::size_t k = 0; k < found_.hypotheses.size(); ++k) {
@@ -162,8 +163,10 @@ class NetworkHypotheses {
       if (edge.bridge_i) edges.insert(*edge.bridge_i);
       if (edge.bridge_j) edges.insert(*edge.bridge_j);
     }
-    for (const ControlEdge& edge : network_.control().edges()) {
-      if (edge.bridge) edges.insert(*edge.bridge);
+    for (const ControlEdges* all : {&network_.control(), &network_.ties()}) {
+      for (const ControlEdge& edge : all->edges()) {
+        if (edge.bridge) edges.insert(*edge.bridge);
+      }
     }
     bridging_.resize(network_.inertial().edges().size());
     const std::vector<std::size_t> all(edges.begin(), edges.end());
@@ -216,15 +219,15 @@ class NetworkHypotheses {
     Append(edges, PairEffectIndices(state_), columns);
   }
 
-  void AddControl() {
-    const std::vector<ControlEdge>& edges = network_.control().edges();
+  void AddControl(const ControlEdges& control) {
+    const std::vector<ControlEdge>& edges = control.edges();
     EdgeKind kind;
     for (const ControlEdge& edge : edges) kind.edges.push_back(edge.id);
     kind.effects = PairEffectIndices(state_);
     kind.own_effects = PairEffectIndices(network_.calibration().State()).size();
     kind.make = [&](std::size_t k) {
-      return network_.control().Factor(edges[k], state_,
-                                       edges[k].bridge ? bridging_[*edges[k].bridge] : nullptr);
+      return control.Factor(edges[k], state_,
+                            edges[k].bridge ? bridging_[*edges[k].bridge] : nullptr);
     };
     Differentiate(kind);
   }

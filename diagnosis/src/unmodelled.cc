@@ -140,7 +140,7 @@ EffectPosterior UnmodelledUnknowns::Posterior() const {
   const MatrixXd root = PosteriorRoot();
   const MatrixXd fixed = root.topRows(static_cast<Index>(fixed_.size()));
   const MatrixXd shift = score_.shift(Eigen::all, components_) * root;
-  EffectPosterior posterior{effect_, within_, sigma_, estimate_(fixed_), {}, {}, {}};
+  EffectPosterior posterior{effect_, within_, sigma_, estimate_(fixed_), {}, {}, {}, Correction()};
   posterior.covariance = fixed * fixed.transpose();
   posterior.added = shift * shift.transpose();
   posterior.cross = -shift * fixed.transpose();

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "between_pairs.h"
 #include "page_numbers.h"
 #include "run_program.h"
 #include "strip_scenario.h"
@@ -203,25 +204,6 @@ TEST_F(MatchingManyRuns, PlanesAreFoundFromFarOff) {
 const Eigen::Vector3d kBoresight_deg(0.2, 0.03, 0.35);
 const Eigen::Vector3d kEveningBoresight_deg(-2.4, 3.5, 2.1);
 
-/// Returns the ground points of one flight in ECEF, by the true trajectory and boresight.
-class TrueGround {
- public:
-  TrueGround(const fs::path& folder, const Eigen::Vector3d& boresight_deg)
-      : flight_(ReadFlight(folder, {})), mounting_(flight_.config.lidar->mounting) {
-    mounting_.boresight_rad = boresight_deg * kRadPerDeg;
-  }
-
-  Eigen::Vector3d At(double t_s, const Eigen::Vector3d& u_s) const {
-    const MapPose pose = flight_.reference->MapPoseAt(t_s, flight_.frame);
-    return flight_.frame.R_me().transpose() *
-           (Georeference(pose, mounting_, u_s) + flight_.frame.r0_m());
-  }
-
- private:
-  Flight flight_;
-  Mounting mounting_;
-};
-
 /// Simulates a second flight over the same ground, with another boresight.
 void SimulateEvening(const fs::path& folder) {
   const ProgramRun run = RunProgram(
@@ -241,15 +223,15 @@ TEST_F(MatchingManyRuns, StripsOfTwoFlightsAreMatchedWithEachOther) {
     EXPECT_THAT(strips["strips"][0].get<std::string>(), StartsWith("short_"));
     EXPECT_THAT(strips["strips"][1].get<std::string>(), StartsWith("evening_"));
   }
-  const TrueGround first(In("flight"), kBoresight_deg);
-  const TrueGround second(In("evening"), kEveningBoresight_deg);
+  const TrueFlight first(In("flight"), kBoresight_deg);
+  const TrueFlight second(In("evening"), kEveningBoresight_deg);
   double chi2 = 0.0;
   const PairData between = ReadPairs(In("between"), {"between_short_evening/*.txt"});
   EXPECT_EQ(between.pairs.size(), match["counts"]["pairs"].get<std::size_t>());
   ASSERT_GT(between.pairs.size(), 50u);
   for (const LidarPair& pair : between.pairs) {
     const Eigen::Vector3d apart_m =
-        first.At(pair.t_i_s, pair.u_i_s) - second.At(pair.t_j_s, pair.u_j_s);
+        first.Ground(pair.t_i_s, pair.u_i_s) - second.Ground(pair.t_j_s, pair.u_j_s);
     EXPECT_LT(apart_m.norm(), 0.7);
     // The axes of the covariance are those of the map frame; its trace does not depend on them.
     chi2 += 3.0 * apart_m.squaredNorm() / pair.covariance_m2->trace();

@@ -136,6 +136,27 @@ Table ExcludedTable(const Facts& result) {
   return table;
 }
 
+/// Returns the section of the pairs between flights; empty without them.
+Section TiesSection(const Facts& result) {
+  const Facts ties = result["ties"];
+  Section section{"Pairs between flights", {}};
+  Table table{"Mean difference of the ends, as each flight alone determines them",
+              {"strips", "used", "rejected", "east [m]", "north [m]", "up [m]", "sigma [m]", "", "",
+               "p-value"},
+              {},
+              "A p-value below 0.001, for the largest of all strips, is a contradiction."};
+  for (const Facts& strips : ties["strips"].elements()) {
+    std::vector<Cell> cells{strips["used"].Decimals(0), strips["rejected"].Decimals(0)};
+    for (const char* key : {"mean_enu_m", "sigma_enu_m"}) {
+      for (std::size_t k = 0; k < 3; ++k) cells.push_back(strips[key][k].Decimals(3));
+    }
+    cells.push_back(strips["p_value"].Significant(2));
+    table.rows.push_back(Row(strips["pairs"].text(), std::move(cells)));
+  }
+  if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
+  return section;
+}
+
 Section ForecastSection(const Facts& result) {
   const Facts forecast = result["forecast"], walk = forecast["random_walk"];
   Table table = AngleTable("The next flight");
@@ -169,6 +190,7 @@ Document FleetPage(const ResultFolder& folder) {
   document.headlines = {FleetHeadline(result)};
   Append(FlightsSection(result), &document);
   Append(StabilitySection(result), &document);
+  Append(TiesSection(result), &document);
   Append(ForecastSection(result), &document);
   Section flights{"Flights", {FlightTable(result)}};
   Table excluded = ExcludedTable(result);

@@ -86,6 +86,7 @@ void RemakeWholeNetwork(AdjustmentRun& run) {
   if (run.options().with_pairs && run.flight().control) {
     network->AddControl(*run.flight().control);
   }
+  if (run.options().with_pairs && run.flight().ties) network->AddTies(*run.flight().ties);
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);
 }

@@ -61,6 +61,7 @@ void AddPairs(AdjustmentRun& run) {
   }
   ExpectScannerPairs(run.network());
   run.result().residual_initial_m = run.MeanPairDifference();
+  if (run.flight().ties) run.network().AddTies(*run.flight().ties);
   if (!run.flight().control) return;
   run.network().AddControl(*run.flight().control);
   for (const ControlNode& point : run.network().control().points()) {

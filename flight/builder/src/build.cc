@@ -53,6 +53,7 @@ FlightNetwork Build(const Flight& flight, const NetworkDesign& design,
   FlightNetwork network(flight, node_t_s, initial, options);
   if (HasPairs(flight)) network.AddPairs(flight.pairs->pairs);
   if (flight.control) network.AddControl(*flight.control);
+  if (flight.ties) network.AddTies(*flight.ties);
   return network;
 }
 

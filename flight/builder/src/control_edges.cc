@@ -53,7 +53,8 @@ Rows SqrtInformation(const ControlPoint& point, const ControlReturn& one,
 void ControlEdges::Add(const ControlData& control) {
   control_ = &control;
   const std::optional<ControlConfig>& config = context_.flight.config.control;
-  if (!datum_shift_ && config && config->datum_shift_sigma_m) AddDatumShift();
+  if (kind_ == Kind::kControl && !datum_shift_ && config && config->datum_shift_sigma_m)
+    AddDatumShift();
   const double margin_s = context_.calibration.MovesLidarEpochs() ? kLidarTimeMarginS : -1e-7;
   const CalibrationState calibration = context_.calibration.State();
   for (std::size_t k = 0; k < control.points.size(); ++k) {
@@ -84,7 +85,8 @@ void ControlEdges::AddPoint(std::size_t index, double margin_s,
   ControlNode node;
   node.point = index;
   node.directions = DeterminedDirections(context_.flight.frame, point);
-  AddSurvey(point, &node);
+  AddDeviation(point, &node);
+  if (kind_ == Kind::kControl) AddSurvey(point, &node);
   const std::vector<BlockId> effects =
       context_.calibration.EffectIds(PairEffectIndices(calibration));
   points_.push_back(node);
@@ -92,35 +94,57 @@ void ControlEdges::AddPoint(std::size_t index, double margin_s,
     std::vector<BlockId> blocks = Blocks(edge, node.deviation);
     builder_internal::Append(effects, &blocks);
     const ControlReturn& one = point.returns[edge.return_of];
-    edge.id = context_.factors.Add(
-        Factor(edge, calibration, BridgeInUse(edge)), blocks,
-        builder_internal::ControlReturnGroup(Normal(point, one).has_value(), !point.is_check),
-        one.t_s);
+    edge.id = context_.factors.Add(Factor(edge, calibration, BridgeInUse(edge)), blocks,
+                                   ReturnGroup(point, one), one.t_s);
     points_.back().edges.push_back(edges_.size());
     edges_.push_back(edge);
+  }
+  if (kind_ == Kind::kTies) MoveToReturn(points_.back());
+}
+
+void ControlEdges::AddDeviation(const ControlPoint& point, ControlNode* node) {
+  const std::string kind = kind_ == Kind::kControl ? "control" : "tie";
+  const double t_s = point.returns.front().t_s;
+  if (node->directions.cols() == 1) {
+    node->deviation =
+        net_.AddVector<1>(kind + "/" + point.name, Eigen::Matrix<double, 1, 1>::Zero()).id;
+    net_.SetLabel(node->deviation, {kind + " " + point.name, {"normal"}, "m", 1.0, t_s});
+  } else {
+    node->deviation = net_.AddVector<3>(kind + "/" + point.name, Eigen::Vector3d::Zero()).id;
+    net_.SetLabel(node->deviation, {kind + " " + point.name, AxisNames(kEnu), "m", 1.0, t_s});
   }
 }
 
 void ControlEdges::AddSurvey(const ControlPoint& point, ControlNode* node) {
-  const double t_s = point.returns.front().t_s;
-  const std::string name = "control/" + point.name;
   const bool plane = node->directions.cols() == 1;
   if (plane) {
-    const auto block = net_.AddVector<1>(name, Eigen::Matrix<double, 1, 1>::Zero());
     const double sigma_m = SurveySigma(point, node->directions.col(0));
-    node->deviation = block.id;
-    node->survey = net_.Add(
-        PriorVector<1>(Eigen::Matrix<double, 1, 1>::Zero(), Noise<1>::Sigma(sigma_m)), block);
-    net_.SetLabel(block.id, {"control " + point.name, {"normal"}, "m", 1.0, t_s});
+    node->survey =
+        net_.Add(PriorVector<1>(Eigen::Matrix<double, 1, 1>::Zero(), Noise<1>::Sigma(sigma_m)),
+                 Block<Vec<1>>{node->deviation});
   } else {
-    const auto block = net_.AddVector<3>(name, Eigen::Vector3d::Zero());
-    node->deviation = block.id;
-    node->survey = net_.Add(
-        PriorVector<3>(Eigen::Vector3d::Zero(), Noise<3>::Covariance(point.covariance_m2)), block);
-    net_.SetLabel(block.id, {"control " + point.name, AxisNames(kEnu), "m", 1.0, t_s});
+    node->survey =
+        net_.Add(PriorVector<3>(Eigen::Vector3d::Zero(), Noise<3>::Covariance(point.covariance_m2)),
+                 Block<Vec<3>>{node->deviation});
   }
-  net_.Tag(node->survey, builder_internal::ControlGroup(plane), t_s);
+  net_.Tag(node->survey, builder_internal::ControlGroup(plane), point.returns.front().t_s);
   net_.SetActive(node->survey, !point.is_check);
+}
+
+/// Gives a tie point the position of its return at the present trajectory and calibration.
+void ControlEdges::MoveToReturn(const ControlNode& node) {
+  const ControlEdge& edge = edges_[node.edges.front()];
+  Eigen::VectorXd r;
+  std::vector<Eigen::MatrixXd> J;
+  net_.EvaluateFactor(edge.id, &r, &J);
+  constexpr std::size_t kDeviation = 6;  // block of PointToControl, its Jacobian is -W
+  net_.SetValue(Block<Vec<3>>{node.deviation}, Eigen::Vector3d(-J[kDeviation].inverse() * r));
+}
+
+const FactorGroup& ControlEdges::ReturnGroup(const ControlPoint& point,
+                                             const ControlReturn& one) const {
+  if (kind_ == Kind::kTies) return builder_internal::TiePointGroup();
+  return builder_internal::ControlReturnGroup(Normal(point, one).has_value(), !point.is_check);
 }
 
 std::optional<ControlEdge> ControlEdges::Attach(std::size_t point, std::size_t return_of,

@@ -58,6 +58,11 @@ const FactorGroup& ControlReturnGroup(bool plane, bool used) {
   return plane ? planes : points;
 }
 
+const FactorGroup& TiePointGroup() {
+  static const FactorGroup group{"tie point", {}, {}, FactorGroup::Kind::kPrior};
+  return group;
+}
+
 const FactorGroup& BiasProcessGroup(bool gyro) {
   static const FactorGroup gyro_group = BiasProcess("gyro"), accel_group = BiasProcess("accel");
   return gyro ? gyro_group : accel_group;

@@ -31,7 +31,8 @@ FlightNetwork::Parts::Parts(const Flight& flight, const std::vector<double>& nod
       inertial(context),
       gnss(context),
       pairs(context, inertial),
-      control(context, inertial, &net) {}
+      control(context, inertial, &net, ControlEdges::Kind::kControl),
+      ties(context, inertial, &net, ControlEdges::Kind::kTies) {}
 
 FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                              const InitialStates& initial, const FlightNetworkOptions& options)
@@ -51,6 +52,7 @@ void FlightNetwork::Repreintegrate() {
   parts_->gnss.Rebuild(now);
   parts_->pairs.Repreintegrate(now);
   parts_->control.Repreintegrate(now);
+  parts_->ties.Repreintegrate(now);
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {

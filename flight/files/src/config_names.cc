@@ -99,4 +99,9 @@ const Words<NetworkConfig::Inertial>& InertialWords() {
   return words;
 }
 
+const Words<bool>& EndWords() {
+  static const Words<bool> words{{"i", false}, {"j", true}};
+  return words;
+}
+
 }  // namespace dn::files_internal

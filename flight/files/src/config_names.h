@@ -29,6 +29,8 @@ const Words<TrajectoryColumns::Attitude>& AttitudeWords();
 const Words<bool>& NorthWords();
 const Words<bool>& BodyWords();
 const Words<NetworkConfig::Inertial>& InertialWords();
+/// Ends of a pair; true: the second one.
+const Words<bool>& EndWords();
 
 /// Returns the word for a value; empty if no word has this value.
 template <class T>

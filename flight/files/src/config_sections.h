@@ -43,6 +43,9 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const s
 BeamConfig ReadBeams(const YamlValue& section);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 ControlConfig ReadControlSection(const YamlValue& section);
+std::vector<TieFiles> ReadTiesSection(const YamlValue& section);
+/// Reads the glob patterns of pair files, at least one.
+std::vector<std::string> ReadPairPatterns(const YamlValue& list);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
 /// Reads the sigmas of an effect: one number for all components, or one for each. `read` is the
 /// conversion of a number.

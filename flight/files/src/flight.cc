@@ -56,6 +56,7 @@ class FolderReader {
     flight_.frame = LocalFrame(Origin());
     if (gnss_) flight_.gnss = ToMap(*gnss_, flight_.frame);
     if (needs_.control && HasControl(flight_.config)) ReadControlPart();
+    if (needs_.ties && !flight_.config.ties.empty()) ReadTiesPart();
     return std::move(flight_);
   }
 
@@ -381,6 +382,32 @@ class FolderReader {
               return covered.GapAt(one.t_s) != nullptr;
             })));
     }
+  }
+
+  /// Drops the returns on tie points that are outside the IMU data or in their gaps.
+  void ReadTiesPart() {
+    TieData ties = ReadTies(flight_.config);
+    long inside = 0;
+    if (flight_.imu) {
+      const CoveredTime covered = files_internal::Cover(*flight_.imu);
+      for (ControlPoint& point : ties.points.points) {
+        ControlReturn& one = point.returns.front();
+        one.t_s = files_internal::AlignWeek(one.t_s, covered);
+        if (covered.Contains(one.t_s)) {
+          ++inside;
+        } else {
+          point.returns.clear();
+        }
+      }
+    }
+    if (inside == 0) {
+      throw InvalidInput(
+          "no epoch of these pairs lies in the IMU data of this flight; check the key end of ties",
+          FileLocation{ties.points.files.front().string(), 0, 0});
+    }
+    flight_.counts["tie points"] = inside;
+    Count("tie points outside the IMU data", static_cast<long>(ties.points.points.size()) - inside);
+    flight_.ties = std::move(ties);
   }
 
   /// Returns positions of the flight in map: GNSS epochs, or else points of the trajectory.

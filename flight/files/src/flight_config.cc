@@ -137,10 +137,10 @@ std::string FolderName(const fs::path& folder) {
 
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
-  root.ExpectMap({"name",          "data_folder", "body",       "frame",   "time_span_s",
-                  "strips",        "strips_crs",  "imu",        "gnss",    "lidar",
-                  "pairs_between", "scanner",     "trajectory", "control", "gh",
-                  "unmodelled",    "estimate",    "across",     "network", "unexplained"});
+  root.ExpectMap({"name",       "data_folder", "body", "frame",      "time_span_s",   "strips",
+                  "strips_crs", "imu",         "gnss", "lidar",      "pairs_between", "scanner",
+                  "trajectory", "control",     "gh",   "unmodelled", "estimate",      "across",
+                  "network",    "unexplained", "ties"});
   FlightConfig config;
   config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(files_internal::BodyWords());
@@ -152,6 +152,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   ReadSensors(root, config);
   const std::vector<std::string> scanners = files_internal::ReadScanners(root, &config);
   if (root["control"]) config.control = files_internal::ReadControlSection(root["control"]);
+  if (root["ties"]) config.ties = files_internal::ReadTiesSection(root["ties"]);
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["unmodelled"]) {
     config.unmodelled = files_internal::ReadUnmodelled(root["unmodelled"]);

@@ -216,6 +216,16 @@ void WritePairsBetween(const FlightConfig& config, Writer& out) {
   }
 }
 
+void WriteTies(const std::vector<TieFiles>& ties, Writer& out) {
+  if (ties.empty()) return;
+  out.Line(0, "ties:");
+  for (const TieFiles& files : ties) {
+    out.Line(1, "- {p2p: " + NameList(files.p2p) +
+                    ", end: " + FindWord(files.second, files_internal::EndWords()) +
+                    ", count: " + std::to_string(files.count) + "}");
+  }
+}
+
 void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Line(0, "trajectory:");
   out.Key(1, "file", QuoteYaml(trajectory.file));
@@ -338,6 +348,7 @@ void WriteRest(const FlightConfig& config, Writer& out) {
   WritePairsBetween(config, out);
   if (config.trajectory) WriteTrajectory(*config.trajectory, out);
   if (config.control) WriteControl(*config.control, out);
+  WriteTies(config.ties, out);
   out.Key(0, "gh",
           "{rotation: " + FindWord(config.gh.exponential, files_internal::GhRotationWords()) +
               ", libor_compat: " + Boolean(config.gh.libor_compat) + "}");

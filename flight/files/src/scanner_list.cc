@@ -22,12 +22,6 @@ std::size_t FindScanner(const YamlValue& value, const std::vector<std::string>& 
   return static_cast<std::size_t>(at - names.begin());
 }
 
-std::vector<std::string> ReadPatterns(const YamlValue& list) {
-  std::vector<std::string> patterns;
-  for (const YamlValue& item : list.Items(kMostPatterns)) patterns.push_back(item.Text());
-  return patterns;
-}
-
 void ExpectSameLoss(const YamlValue& item, const LidarConfig& first, const LidarConfig& other) {
   if (other.robust == first.robust) return;
   item["robust"].Fail("all scanners must have the same robust loss");
@@ -42,10 +36,9 @@ PairsBetween ReadBetween(const YamlValue& item, const std::vector<std::string>& 
   between.scanner_i = FindScanner(two[0], names);
   between.scanner_j = FindScanner(two[1], names);
   if (between.scanner_i == between.scanner_j) two[1].Fail("must be another scanner");
-  between.p2p = item["p2p"] ? ReadPatterns(item["p2p"])
+  between.p2p = item["p2p"] ? ReadPairPatterns(item["p2p"])
                             : std::vector<std::string>{"lidar_" + names[between.scanner_i] + "_" +
                                                        names[between.scanner_j] + "/*.txt"};
-  if (between.p2p.empty()) item["p2p"].Fail("must name at least one file");
   between.sigma_p_m = item["sigma_p_m"]
                           ? ReadPositive(item["sigma_p_m"])
                           : SigmaBetween(scanners[between.scanner_i], scanners[between.scanner_j]);

@@ -8,10 +8,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "boresight_tests.h"
 #include "fleet_likelihood.h"
+#include "fleet_ties.h"
 #include "fleet_unknowns.h"
 #include "walk_size.h"
 
@@ -51,7 +53,10 @@ class FleetAdjustment {
         across_(across),
         shared_(FindShared(flights, across)),
         likelihood_(MakeLikelihood(flights, shared_)),
-        last_(likelihood_.flights - 1) {}
+        ties_(AddTies(flights, shared_, &likelihood_)),
+        last_(likelihood_.flights - 1) {
+    if (ties_) result_.ties = ties_->report;
+  }
 
   FleetResult Run() {
     result_.constant = !across_.walk_rad && !across_.walk_estimated;
@@ -137,7 +142,7 @@ class FleetAdjustment {
     }
   }
 
-  /// Combines the results of the pure model, whose flights are independent.
+  /// Combines the results of the pure model, whose flights are independent but for their ties.
   void TakeModelled() {
     Matrix3d N = likelihood_.prior_information;
     Vector3d g = likelihood_.prior_vector;
@@ -145,10 +150,11 @@ class FleetAdjustment {
       const Matrix3d W =
           Eigen::LLT<Matrix3d>(flight.as_modelled.covariance_rad2).solve(Matrix3d::Identity());
       const Vector3d angles =
-          Log(Exp(flight.as_modelled.angles_rad) * Exp(Vector3d(-likelihood_.reference_rad)));
+          TurnFromReference(flight.as_modelled.angles_rad, likelihood_.reference_rad);
       N += W - likelihood_.prior_information;
       g += W * angles - likelihood_.prior_vector;
     }
+    if (ties_) AddModelledTies(flights_, *ties_, likelihood_.reference_rad, &N, &g);
     const Eigen::LLT<Matrix3d> llt(N);
     result_.boresight.as_modelled = ModelledBoresight{Turn(llt.solve(g), likelihood_.reference_rad),
                                                       llt.solve(Matrix3d::Identity())};
@@ -220,13 +226,15 @@ class FleetAdjustment {
         boresight.verdict = verdict;
       }
     }
-    if (!result_.stability.stable()) boresight.verdict = Verdict::kContradicted;
+    const bool apart = result_.ties && result_.ties->Contradiction() != nullptr;
+    if (apart || !result_.stability.stable()) boresight.verdict = Verdict::kContradicted;
   }
 
   const std::vector<ReducedFlight>& flights_;
   const AcrossConfig& across_;
   SharedUnknowns shared_;
   FleetLikelihood likelihood_;
+  std::optional<UsedTies> ties_;
   Index last_;
   FleetResult result_;
 };

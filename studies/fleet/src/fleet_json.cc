@@ -57,6 +57,20 @@ Json ForecastJson(const FleetResult& fleet) {
   return {{"constant", AnglesJson(fleet.next_constant)}, {"random_walk", walk}};
 }
 
+Json TiesJson(const FleetTies& ties) {
+  Json strips = Json::array();
+  for (const StripTies& one : ties.by_strips) {
+    strips.push_back({{"pairs", one.file},
+                      {"flights", {one.flight_i, one.flight_j}},
+                      {"used", one.used},
+                      {"rejected", one.rejected},
+                      {"mean_enu_m", ToJson(one.mean_enu_m)},
+                      {"sigma_enu_m", ToJson(one.sigma_enu_m)},
+                      {"p_value", one.p_value}});
+  }
+  return {{"used", ties.used()}, {"noise_factor", ties.noise_factor}, {"strips", strips}};
+}
+
 Json BoresightJson(const BoresightResult& boresight) {
   Json json = PredictedBoresightJson(boresight);
   json["angles_deg"] = ToJson(boresight.angles_rad * kDegPerRad);
@@ -105,6 +119,7 @@ Json FleetJson(const FleetResult& fleet, const std::vector<ExcludedFlight>& excl
   for (const auto& [flight, reason] : excluded) {
     json["excluded"].push_back({{"flight", flight}, {"reason", reason}});
   }
+  if (fleet.ties) json["ties"] = TiesJson(*fleet.ties);
   json["stability"] = StabilityJson(fleet);
   json["forecast"] = ForecastJson(fleet);
   return json;

@@ -64,8 +64,7 @@ Information MakeFlightLikelihood(const ReducedFlight& flight, const std::vector<
     rows.push_back(one.row);
   }
   const auto m = static_cast<Index>(rows.size());
-  const Vector3d rotation = Log(Exp(Vector3d(flight.mean.head<3>())) * Exp(flight.angles_rad) *
-                                Exp(Vector3d(-fleet.reference_rad)));
+  const Vector3d rotation = MeanBoresight(flight, fleet.reference_rad);
   const VectorXd mean = flight.mean(rows);
   const MatrixXd effects = flight.covariance(rows, rows);
   const Information data = RemovePrior(mean, effects, prior_sigma);
@@ -98,14 +97,22 @@ void TakeBoresightPrior(const std::vector<ReducedFlight>& flights, FleetLikeliho
                         "lidar.boresight_deg and lidar.boresight_sigma_deg");
   }
   if (!flights.front().prior_sigma_rad) return;
-  const Vector3d mean =
-      Log(Exp(*flights.front().prior_angles_rad) * Exp(Vector3d(-fleet->reference_rad)));
+  const Vector3d mean = TurnFromReference(*flights.front().prior_angles_rad, fleet->reference_rad);
   fleet->prior_information =
       flights.front().prior_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
   fleet->prior_vector = fleet->prior_information * mean;
 }
 
 }  // namespace
+
+Vector3d TurnFromReference(const Vector3d& angles_rad, const Vector3d& reference_rad) {
+  return Log(Exp(angles_rad) * Exp(Vector3d(-reference_rad)));
+}
+
+Vector3d MeanBoresight(const ReducedFlight& flight, const Vector3d& reference_rad) {
+  return Log(Exp(Vector3d(flight.mean.head<3>())) * Exp(flight.angles_rad) *
+             Exp(Vector3d(-reference_rad)));
+}
 
 FleetLikelihood MakeLikelihood(const std::vector<ReducedFlight>& flights,
                                const SharedUnknowns& shared) {

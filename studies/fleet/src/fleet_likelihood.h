@@ -27,6 +27,13 @@ struct FleetLikelihood {
   Eigen::VectorXd effect_prior;  ///< information of each component; 0 without a prior
 };
 
+/// Returns the left rotation that turns the reference into these angles.
+Eigen::Vector3d TurnFromReference(const Eigen::Vector3d& angles_rad,
+                                  const Eigen::Vector3d& reference_rad);
+
+/// Returns the mean boresight of a flight as a left rotation from the reference.
+Eigen::Vector3d MeanBoresight(const ReducedFlight& flight, const Eigen::Vector3d& reference_rad);
+
 /// Multiplies the likelihoods of the flights. Throws InvalidConfig if flights state different
 /// priors of the boresight.
 FleetLikelihood MakeLikelihood(const std::vector<ReducedFlight>& flights,

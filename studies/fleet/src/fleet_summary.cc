@@ -41,6 +41,22 @@ std::string FlightTable(const FleetResult& fleet) {
   return text;
 }
 
+std::string TiesTable(const FleetTies& ties) {
+  std::string text = fmt::format(
+      "pairs between flights: {} in use, variances times {:.2f}; mean difference of the ends by "
+      "each flight alone [m], east, north, up\n",
+      ties.used(), ties.noise_factor);
+  for (const StripTies& strips : ties.by_strips) {
+    text += fmt::format("  {}: {} of {} pairs;", strips.file, strips.used,
+                        strips.used + strips.rejected);
+    for (int i = 0; i < 3; ++i) {
+      text += " " + FormatWithSigma(strips.mean_enu_m[i], strips.sigma_enu_m[i]);
+    }
+    text += fmt::format("; p = {:.2g}\n", strips.p_value);
+  }
+  return text;
+}
+
 std::string ForecastLines(const FleetResult& fleet) {
   const BoresightWalk& walk = fleet.walk;
   std::string text = fmt::format(
@@ -70,6 +86,7 @@ std::string FleetSummary(const FleetResult& fleet, const std::vector<ExcludedFli
   for (const auto& [flight, reason] : excluded) {
     text += fmt::format("  {:<16} left out: {}\n", flight, reason);
   }
+  if (fleet.ties) text += TiesTable(*fleet.ties);
   text += ForecastLines(fleet);
   text += fmt::format("assessment: {}\n", Word(fleet.boresight.verdict));
   for (const std::string& reason : FleetReasons(fleet)) text += "  " + reason + "\n";

@@ -35,11 +35,26 @@ std::string StabilitySentence(const FleetResult& fleet) {
                            "random walk with --across");
 }
 
+std::string TiesSentence(const FleetTies& ties) {
+  const StripTies& strips = *ties.Contradiction();
+  return fmt::format(
+      "flights {} and {} see the same ground {}, {}, {} m apart in east, north, up ({} pairs of "
+      "{}, p < {:.2g}): check datum, GNSS and pairs of both",
+      strips.flight_i, strips.flight_j,
+      FormatWithSigma(strips.mean_enu_m[0], strips.sigma_enu_m[0]),
+      FormatWithSigma(strips.mean_enu_m[1], strips.sigma_enu_m[1]),
+      FormatWithSigma(strips.mean_enu_m[2], strips.sigma_enu_m[2]),
+      strips.used > 0 ? strips.used : strips.rejected, strips.file, FleetTies::kLevel);
+}
+
 }  // namespace
 
 std::vector<std::string> FleetReasons(const FleetResult& fleet) {
   std::vector<std::string> reasons;
   if (!fleet.stability.stable()) reasons.push_back(StabilitySentence(fleet));
+  if (fleet.ties && fleet.ties->Contradiction() != nullptr) {
+    reasons.push_back(TiesSentence(*fleet.ties));
+  }
   for (const FleetFlight& flight : fleet.flights) {
     if (flight.verdict == Verdict::kCalibrated) continue;
     reasons.push_back(fmt::format("flight {} is {}", flight.name, Word(flight.verdict)));

@@ -68,6 +68,7 @@ class Reduction {
   ReducedFlight Run() {
     Describe();
     AddEstimated();
+    flight_.ties = ReduceTies(solution_, blocks_, rows_, check_.unmodelled ? &posterior_ : nullptr);
     if (check_.unmodelled) AddEffects();
     return std::move(flight_);
   }
@@ -91,13 +92,13 @@ class Reduction {
   }
 
   void AddEstimated() {
-    std::vector<BlockId> blocks{solution_.network().calibration().boresight().id};
+    blocks_ = {solution_.network().calibration().boresight().id};
     std::vector<double> values{0.0, 0.0, 0.0};
     rows_ = {0, 1, 2};
     const std::vector<UnknownEstimate> estimates = solution_.CheckedUnknowns();
     for (const EstimateEntry& entry : EstimatedEffects(config_)) {
       flight_.effects.push_back(MakeEstimated(entry));
-      blocks.push_back(solution_.network().net().Find(entry.unknown));
+      blocks_.push_back(solution_.network().net().Find(entry.unknown));
       const double to_si = EffectRow(flight_.effects.back().effect).components.front().to_si;
       for (const UnknownEstimate& one : estimates) {
         if (one.name != entry.unknown) continue;
@@ -108,19 +109,19 @@ class Reduction {
       rows_.insert(rows_.end(), rows.begin(), rows.end());
     }
     flight_.mean = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
-    flight_.covariance = JointCovariance(blocks);
+    flight_.covariance = JointCovariance();
     if (check_.unmodelled) {
       flight_.covariance += posterior_.added(rows_, rows_);
       flight_.covariance.topLeftCorner<3, 3>() += check_.unmodelled->noise_covariance_rad2;
     }
   }
 
-  MatrixXd JointCovariance(const std::vector<BlockId>& blocks) const {
+  MatrixXd JointCovariance() const {
     MatrixXd joint = MatrixXd::Zero(flight_.mean.size(), flight_.mean.size());
     Index row = 0;
-    for (const BlockId a : blocks) {
+    for (const BlockId a : blocks_) {
       Index column = 0, height = 0;
-      for (const BlockId b : blocks) {
+      for (const BlockId b : blocks_) {
         const MatrixXd part = solution_.marginals().Covariance(a, b);
         joint.block(row, column, part.rows(), part.cols()) = part;
         column += part.cols();
@@ -173,7 +174,8 @@ class Reduction {
   const ModelCheck& check_;
   const FlightConfig& config_;
   EffectPosterior posterior_;
-  std::vector<Index> rows_;  // of the estimated unknowns in EffectPosterior
+  std::vector<BlockId> blocks_;  // the boresight and the estimated effects
+  std::vector<Index> rows_;      // theirs in EffectPosterior
   ReducedFlight flight_;
 };
 

@@ -2,9 +2,10 @@
 #include <dn/error.h>
 #include <dn/fleet/reduced_flight.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
+
+#include "expect_covariance.h"
 
 namespace dn {
 namespace {
@@ -13,7 +14,7 @@ using Eigen::Index;
 
 constexpr const char* kSchema = "dn.reduced/1";
 constexpr std::size_t kMostUnknowns = 1000, kMostReasons = 10'000;
-constexpr double kLargest = 1e12;
+using fleet_internal::kLargestNumber;
 
 Json MountingJson(const FlightMounting& mounting) {
   return {{"body_from_scanner", ToJsonMatrix(mounting.R_bs_nominal)},
@@ -37,7 +38,7 @@ Eigen::VectorXd ReadVector(const JsonPlace& list) {
   const std::vector<JsonPlace> elements = list.Elements(kMostUnknowns);
   Eigen::VectorXd vector(static_cast<Index>(elements.size()));
   for (std::size_t k = 0; k < elements.size(); ++k) {
-    vector[static_cast<Index>(k)] = elements[k].Number(-kLargest, kLargest);
+    vector[static_cast<Index>(k)] = elements[k].Number(-kLargestNumber, kLargestNumber);
   }
   return vector;
 }
@@ -52,12 +53,7 @@ Eigen::MatrixXd ReadCovariance(const JsonPlace& rows, Index size) {
     if (values.size() != size) row.Fail("must have one number per unknown");
     C.row(r) = values.transpose();
   }
-  const Eigen::VectorXd sigma = C.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd per_sigma = sigma.cwiseInverse();
-  const Eigen::MatrixXd unit = per_sigma.asDiagonal() * C * per_sigma.asDiagonal();
-  if (!unit.allFinite() || Eigen::LLT<Eigen::MatrixXd>(unit).info() != Eigen::Success) {
-    rows.Fail("is not a covariance matrix: it must be positive definite");
-  }
+  fleet_internal::ExpectCovariance(C, rows);
   return C;
 }
 
@@ -85,7 +81,7 @@ ReducedEffect ReadEffect(const JsonPlace& json) {
   for (std::size_t k = 0; k < sigmas.size(); ++k) {
     effect.prior_sigma[static_cast<Index>(k)] =
         sigmas[k].is_null() ? std::numeric_limits<double>::infinity()
-                            : sigmas[k].Number(std::numeric_limits<double>::min(), kLargest);
+                            : sigmas[k].Number(std::numeric_limits<double>::min(), kLargestNumber);
   }
   return effect;
 }
@@ -112,25 +108,27 @@ std::optional<Eigen::Vector3d> ReadOptional(const JsonPlace& place) {
 Json ReducedFlightJson(const ReducedFlight& flight) {
   Json effects = Json::array();
   for (const ReducedEffect& effect : flight.effects) effects.push_back(EffectJson(effect));
-  return {{"schema", kSchema},
-          {"flight", flight.name},
-          {"made_from", flight.made_from},
-          {"data", flight.data},
-          {"begin_s", flight.begin_s},
-          {"end_s", flight.end_s},
-          {"origin_rad_m", {flight.origin.lat_rad, flight.origin.lon_rad, flight.origin.h_m}},
-          {"mounting", MountingJson(flight.mounting)},
-          {"verdict", Word(flight.verdict)},
-          {"reasons", flight.reasons},
-          {"angles_rad", ToJson(flight.angles_rad)},
-          {"as_modelled",
-           {{"angles_rad", ToJson(flight.as_modelled.angles_rad)},
-            {"covariance_rad2", ToJsonMatrix(flight.as_modelled.covariance_rad2)}}},
-          {"prior_angles_rad", OptionalJson(flight.prior_angles_rad)},
-          {"prior_sigma_rad", OptionalJson(flight.prior_sigma_rad)},
-          {"effects", effects},
-          {"mean", ToJson(flight.mean)},
-          {"covariance", ToJsonMatrix(flight.covariance)}};
+  Json json = {{"schema", kSchema},
+               {"flight", flight.name},
+               {"made_from", flight.made_from},
+               {"data", flight.data},
+               {"begin_s", flight.begin_s},
+               {"end_s", flight.end_s},
+               {"origin_rad_m", {flight.origin.lat_rad, flight.origin.lon_rad, flight.origin.h_m}},
+               {"mounting", MountingJson(flight.mounting)},
+               {"verdict", Word(flight.verdict)},
+               {"reasons", flight.reasons},
+               {"angles_rad", ToJson(flight.angles_rad)},
+               {"as_modelled",
+                {{"angles_rad", ToJson(flight.as_modelled.angles_rad)},
+                 {"covariance_rad2", ToJsonMatrix(flight.as_modelled.covariance_rad2)}}},
+               {"prior_angles_rad", OptionalJson(flight.prior_angles_rad)},
+               {"prior_sigma_rad", OptionalJson(flight.prior_sigma_rad)},
+               {"effects", effects},
+               {"mean", ToJson(flight.mean)},
+               {"covariance", ToJsonMatrix(flight.covariance)}};
+  if (flight.ties) json["ties"] = ReducedTiesJson(*flight.ties);
+  return json;
 }
 
 ReducedFlight ReadReducedFlight(const JsonPlace& json) {
@@ -162,6 +160,7 @@ ReducedFlight ReadReducedFlight(const JsonPlace& json) {
   flight.mean = ReadVector(json.At("mean"));
   if (flight.mean.size() != size) json.At("mean").Fail("must have one number per unknown");
   flight.covariance = ReadCovariance(json.At("covariance"), size);
+  if (json.Has("ties")) flight.ties = ReadReducedTies(json.At("ties"), size);
   return flight;
 }
 

@@ -29,20 +29,24 @@ struct ControlNode {
   /// Deviation of the true point from the surveyed one along `directions`, m.
   BlockId deviation = -1;
   Eigen::Matrix<double, 3, Eigen::Dynamic> directions;  ///< columns, map axes
-  FactorId survey = -1;            ///< the accuracy of the survey; not active for checks
+  /// The accuracy of the survey; not active for checks, and -1 for tie points.
+  FactorId survey = -1;
   std::vector<std::size_t> edges;  ///< indices into ControlEdges::edges
 };
 
-/// The edges of laser returns on control points and planes (PointToControl). Each return is
-/// attached to the node before its epoch.
+/// The edges of laser returns on control points and planes (PointToControl), or on tie points,
+/// which have no survey. Each return is attached to the node before its epoch.
 ///
 /// Block names: "control/<name>" for the deviation of a point, "control_datum_shift". Factor
 /// groups: "control" and "control plane" for the survey, "lidar control" and "lidar control plane"
-/// for the returns, "withheld control" for those on checks.
+/// for the returns, "withheld control" for those on checks. A tie point is "tie/<name>", its
+/// position in map, and its returns are of the group "tie point".
 class ControlEdges {
  public:
-  ControlEdges(const EdgeContext& context, const InertialEdges& inertial, Network* net)
-      : context_(context), inertial_(inertial), net_(*net) {}
+  enum class Kind { kControl, kTies };
+
+  ControlEdges(const EdgeContext& context, const InertialEdges& inertial, Network* net, Kind kind)
+      : context_(context), inertial_(inertial), net_(*net), kind_(kind) {}
 
   /// Adds the points that have a laser return. A return with an IMU gap between it and its node is
   /// left out, and so is a point without any return. A second call adds the points that have got
@@ -73,12 +77,16 @@ class ControlEdges {
   std::optional<ControlEdge> Attach(std::size_t point, std::size_t return_of,
                                     double margin_s) const;
   std::shared_ptr<const PreintegratedInertial> BridgeInUse(const ControlEdge& edge) const;
+  void AddDeviation(const ControlPoint& point, ControlNode* node);
   void AddSurvey(const ControlPoint& point, ControlNode* node);
+  void MoveToReturn(const ControlNode& node);
+  const FactorGroup& ReturnGroup(const ControlPoint& point, const ControlReturn& one) const;
   std::vector<BlockId> Blocks(const ControlEdge& edge, BlockId deviation) const;
 
   const EdgeContext& context_;
   const InertialEdges& inertial_;
   Network& net_;
+  Kind kind_;
   const ControlData* control_ = nullptr;
   std::optional<Block<Vec<3>>> datum_shift_;
   std::vector<ControlEdge> edges_;

@@ -72,6 +72,10 @@ class FlightNetwork {
   /// Call it with a trajectory that is already good, as AddPairs.
   void AddControl(const ControlData& control) { parts_->control.Add(control); }
 
+  /// Adds the tie points, which must outlive the network. Call it with a trajectory that is already
+  /// good, as AddPairs. They do not change the other unknowns.
+  void AddTies(const TieData& ties) { parts_->ties.Add(ties.points); }
+
   /// Makes the factors of all edges again at the present biases and calibration. Factors replaced
   /// by the caller (Network::ReplaceFactor) stay unchanged.
   void Repreintegrate();
@@ -129,6 +133,7 @@ class FlightNetwork {
   const GnssEdges& gnss() const { return parts_->gnss; }
   const PairEdges& pairs() const { return parts_->pairs; }
   const ControlEdges& control() const { return parts_->control; }
+  const ControlEdges& ties() const { return parts_->ties; }
 
  private:
   /// The parts refer to each other, so that they must not move.
@@ -144,7 +149,7 @@ class FlightNetwork {
     InertialEdges inertial;
     GnssEdges gnss;
     PairEdges pairs;
-    ControlEdges control;
+    ControlEdges control, ties;
   };
 
   std::function<PairModel(FlightNetwork&)> make_pair_model_;

@@ -3,6 +3,7 @@
 #include <dn/files/control.h>
 #include <dn/files/flight_config.h>
 #include <dn/files/map_gnss.h>
+#include <dn/files/ties.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
@@ -22,6 +23,7 @@ struct FlightNeeds {
   bool pairs = false;
   bool trajectory = false;
   bool control = false;  ///< reads the control files, if there are any
+  bool ties = false;     ///< reads the tie points, if there are any
   /// Reads the parts that exist and leaves out missing ones (dn check).
   bool optional = false;
   /// With two or more, the reference is read in parallel with the inertial data.
@@ -40,6 +42,7 @@ struct Flight {
   /// The strips found from all pairs before the selection (FindStrips).
   std::vector<StripInterval> pair_strips;
   std::optional<ControlData> control;  ///< without returns in gaps of the IMU data
+  std::optional<TieData> ties;         ///< without returns outside the IMU data or in their gaps
   std::optional<Trajectory> trajectory;
   std::optional<Trajectory> initial_guess;  ///< read if present
   std::optional<Trajectory> reference;      ///< read if present

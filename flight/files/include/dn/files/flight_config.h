@@ -98,6 +98,15 @@ struct PairsBetween {
   double sigma_p_m = 0.0;  ///< as given, or else the root mean square of those of the two scanners
 };
 
+/// Element of `ties`: pairs with another flight, which measured their other ends.
+struct TieFiles {
+  static constexpr long kUsualCount = 100;
+
+  std::vector<std::string> p2p;  ///< glob patterns
+  bool second = false;           ///< this flight measured the second ends, else the first ones
+  long count = kUsualCount;      ///< number of pairs in use, spread over the files
+};
+
 /// Section `trajectory`: a given trajectory and its accuracy.
 struct TrajectoryConfig {
   std::string file = "trajectory.out";
@@ -159,6 +168,7 @@ struct FlightConfig {
   std::optional<LidarConfig> lidar;        ///< the first scanner
   std::vector<LidarConfig> more_scanners;  ///< the others; see dn/files/scanners.h
   std::vector<PairsBetween> pairs_between;
+  std::vector<TieFiles> ties;
   std::optional<TrajectoryConfig> trajectory;
   std::optional<ControlConfig> control;  ///< absent: the defaults
   GhConfig gh;

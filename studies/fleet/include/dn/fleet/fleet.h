@@ -65,6 +65,30 @@ struct BoresightWalk {
   double log_ratio = 0.0;  ///< log likelihood of the estimate minus that of a constant boresight
 };
 
+/// Pairs between two strips of different flights.
+struct StripTies {
+  std::string file;  ///< FOLDER/FILE of the pairs
+  std::string flight_i, flight_j;
+  long used = 0, rejected = 0;
+  /// Mean of the first ends minus the second ones, as each flight alone determines them. East,
+  /// north, up at the origin of the first flight.
+  Eigen::Vector3d mean_enu_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d::Zero();
+  double p_value = 1.0;  ///< of this mean, for the largest of all strips
+};
+
+/// Pairs between flights.
+struct FleetTies {
+  static constexpr double kLevel = 0.001;  ///< probability of a false contradiction
+
+  std::vector<StripTies> by_strips;
+  double noise_factor = 1.0;  ///< multiplies the stated variances of the pairs
+
+  long used() const;
+  /// Returns the strips that contradict most; null if none do.
+  const StripTies* Contradiction() const;
+};
+
 /// Result of the calibration of several flights.
 struct FleetResult {
   /// Boresight of all flights; with a random walk that of the last one. Its contributions are those
@@ -75,6 +99,7 @@ struct FleetResult {
   Eigen::Matrix3d shared_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::vector<UnknownEstimate> unknowns;  ///< those under `across`
   std::vector<FleetFlight> flights;
+  std::optional<FleetTies> ties;  ///< absent without pairs between flights
   BoresightStability stability;
   bool constant = true;  ///< false: `across` states a random walk
   BoresightWalk walk;
@@ -90,6 +115,8 @@ struct FleetResult {
 /// with the likelihood's information L_k of a flight, one prior per effect, and steps of the
 /// boresight by `across`. Effects of a sensor have one value for all flights. Effects of a place
 /// have one for the flights at that place, and effects of a day one per flight.
+///
+/// Pairs between flights (ReducedFlight::ties) add the likelihood of their differences.
 ///
 /// Throws InvalidConfig for fewer than two flights, for different mountings, and for a name under
 /// `across` that a flight does not estimate.

@@ -2,6 +2,7 @@
 
 #include <dn/adjustment/result.h>
 #include <dn/effects/effect_table.h>
+#include <dn/fleet/reduced_ties.h>
 #include <dn/geo/local_frame.h>
 #include <dn/report/json_reader.h>
 
@@ -67,6 +68,7 @@ struct ReducedFlight {
   std::vector<ReducedEffect> effects;
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
+  std::optional<ReducedTies> ties;  ///< ground points that other flights measured, too
 };
 
 /// Reduces an adjusted flight. `boresight` is its CheckedBoresight.
