@@ -76,7 +76,7 @@ std::vector<std::string> FindFlightPairs(const fs::path& folder,
     add(pair.second, TieText(pair, true, count));
   }
   for (std::string& text : ties) {
-    if (!text.empty()) text = "ties=[" + text + "]";
+    if (!text.empty()) text = fmt::format("ties=[{}]", text);
   }
   return ties;
 }
