@@ -11,7 +11,10 @@ namespace dn {
 namespace {
 
 constexpr Eigen::Index kMaxRowsExactMoments = 400;
-constexpr int kSamples = 32;
+// The more samples, the less does the accuracy that follows from them depend on the seed. Large
+// networks have many degrees of freedom in each form and need fewer.
+constexpr int kFewestSamples = 32, kMostSamples = 512;
+constexpr Eigen::Index kSampledRows = 1 << 22;
 // Samples per batch: enough for two threads, but few enough for the memory of networks with
 // millions of rows.
 constexpr int kSamplesPerBatch = 16, kSamplesPerLargeBatch = 8;
@@ -78,6 +81,12 @@ class FewRows {
   std::vector<int> label_;
 };
 
+/// Returns the number of samples for a network, a multiple of the batches.
+int CountSamples(Eigen::Index rows) {
+  const Eigen::Index samples = kSampledRows / rows / kSamplesPerBatch * kSamplesPerBatch;
+  return static_cast<int>(std::clamp<Eigen::Index>(samples, kFewestSamples, kMostSamples));
+}
+
 /// Calls use(R) for the samples of ForEachSampledResidual in batches; the rows of R are the
 /// samples.
 template <class Use>
@@ -86,7 +95,8 @@ void ForSampleRows(const Marginals& marginals, const Use& use) {
   std::normal_distribution<double> normal;
   const Eigen::Index rows = marginals.linearized().rows();
   const int at_once = rows < kManyRows ? kSamplesPerBatch : kSamplesPerLargeBatch;
-  for (int k = 0; k < kSamples; k += at_once) {
+  const int samples = CountSamples(rows);
+  for (int k = 0; k < samples; k += at_once) {
     Eigen::MatrixXd R(at_once, rows);
     {
       Eigen::MatrixXd E(rows, at_once);
@@ -179,7 +189,8 @@ FormMoments SampleMoments(const std::vector<double>& energies) {
 Eigen::MatrixXd SampleFormEnergies(const Marginals& marginals,
                                    const std::vector<ResidualForm>& forms) {
   const std::vector<FewRows> of_forms(forms.begin(), forms.end());
-  Eigen::MatrixXd energies(static_cast<Eigen::Index>(forms.size()), kSamples);
+  Eigen::MatrixXd energies(static_cast<Eigen::Index>(forms.size()),
+                           CountSamples(marginals.linearized().rows()));
   Eigen::Index sample = 0;
   ForSampleRows(marginals, [&](const Eigen::MatrixXd& R) {
     for (std::size_t i = 0; i < forms.size(); ++i) {

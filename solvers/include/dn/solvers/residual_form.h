@@ -44,8 +44,8 @@ struct FormMoments {
   double LowerTail(double energy) const;
 };
 
-/// Calls `use` for each of 32 samples M e of the residuals after the fit. e ~ N(0, I) has a fixed
-/// seed, and M is that of Marginals::Project.
+/// Calls `use` for each of 32 to 512 samples M e of the residuals after the fit. e ~ N(0, I) has a
+/// fixed seed, and M is that of Marginals::Project. Small networks have more samples.
 void ForEachSampledResidual(
     const Marginals& marginals,
     const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);
@@ -60,7 +60,7 @@ Eigen::MatrixXd SampleFormEnergies(const Marginals& marginals,
 
 /// Returns the mean and variance of each form r^T S^T S r for r = M e, e ~ N(0, I), M as in
 /// Marginals::Project. Networks of at most 400 rows use the exact mean tr(S M S^T) and variance 2
-/// tr((S M S^T)^2). Larger networks use 32 samples with a fixed seed. The cost is one pair of
+/// tr((S M S^T)^2). Larger networks use samples with a fixed seed. The cost is one pair of
 /// triangular solves per row or sample.
 std::vector<FormMoments> ComputeFormMoments(const Marginals& marginals,
                                             const std::vector<ResidualForm>& forms);
