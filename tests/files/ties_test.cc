@@ -20,7 +20,8 @@ class Ties {
     for (const char* file : {"1_1.txt", "1_2.txt"}) Write(file, Rows(60, true), "");
   }
 
-  void Write(const std::string& file, std::vector<LidarPair> pairs, const std::string& head) {
+  void Write(const std::string& file, const std::vector<LidarPair>& pairs,
+             const std::string& head) {
     folder_.Write("between_a_b/" + file, head + FormatPairs(pairs));
   }
 

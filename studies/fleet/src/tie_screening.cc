@@ -35,7 +35,7 @@ constexpr int kMostNoiseSteps = 8;
 ///   residual = Q_kk^-1 (Q d)_k,   covariance = Q_kk^-1,   Q = S^-1.
 class Predictions {
  public:
-  Predictions(VectorXd d_m, const MatrixXd& covariance_m2)
+  Predictions(const VectorXd& d_m, const MatrixXd& covariance_m2)
       : Q_(ScaledInverse(covariance_m2).Matrix()), q_(Q_ * d_m) {
     present_.assign(static_cast<std::size_t>(d_m.size() / 3), true);
   }
