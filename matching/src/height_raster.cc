@@ -32,7 +32,8 @@ struct Sample {
 /// The residuals of the differences b - a at one shift.
 struct Difference {
   double mean_square_m2 = std::numeric_limits<double>::infinity();
-  double at_centre_m = 0.0;  ///< value of the plane through the differences at the centre
+  /// The plane through the differences: its value at the centre, m, and its slopes, m per cell.
+  Vector3d plane = Vector3d::Zero();
 };
 
 Difference DifferenceAt(const HeightRaster& b, const std::vector<Sample>& piece,
@@ -60,7 +61,7 @@ Difference DifferenceAt(const HeightRaster& b, const std::vector<Sample>& piece,
   const Eigen::LDLT<Matrix3d> ldlt(N.selfadjointView<Eigen::Upper>());
   const Vector3d plane = ldlt.solve(h);
   out.mean_square_m2 = std::max(0.0, dd - plane.dot(h)) / N(0, 0);
-  out.at_centre_m = plane[0];
+  out.plane = plane;
   return out;
 }
 
@@ -102,7 +103,7 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& poi
   return raster;
 }
 
-std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
+std::optional<PieceShift> FindShift(const HeightRaster& a, const HeightRaster& b,
                                   const Vector2i& centre, int half, int search) {
   const std::vector<Sample> piece = SamplePiece(a, centre, half);
   if (piece.empty()) return std::nullopt;
@@ -149,9 +150,10 @@ std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
   const double sigma_cells =
       std::sqrt(2.0 * least.mean_square_m2 / independent / eigen.eigenvalues()[0]);
   if (sigma_cells > kMostSigmaCells) return std::nullopt;
-  Vector3d shift_m;
-  shift_m << a.grid.cell_m * (best.cast<double>() + rest), least.at_centre_m;
-  return shift_m;
+  PieceShift shift;
+  shift.shift_m << a.grid.cell_m * (best.cast<double>() + rest), least.plane[0];
+  shift.slope_m = least.plane.tail<2>();
+  return shift;
 }
 
 }  // namespace dn::matching_internal

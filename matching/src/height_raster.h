@@ -41,6 +41,17 @@ struct HeightRaster {
 HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3d>& points_m,
                         int shadow_cells);
 
+/// The shift of a piece of a raster to another raster.
+struct PieceShift {
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< east, north, up at the centre
+  Eigen::Vector2d slope_m = Eigen::Vector2d::Zero();  ///< growth of its height per cell
+
+  /// Returns the shift at a cell, which is counted from the centre.
+  Eigen::Vector3d At(const Eigen::Vector2i& cell) const {
+    return shift_m + Eigen::Vector3d(0.0, 0.0, slope_m.dot(cell.cast<double>()));
+  }
+};
+
 /// Finds the shift of `a` to `b` (east, north, up, m) at which a piece of `a` fits best into `b` on
 /// the same grid. The criterion is the mean square of the height differences after a plane through
 /// them is removed, because misalignment tilts them. Shifts of up to `search` cells are tried; the
@@ -50,7 +61,7 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3
 /// - the shift is not determined to half a cell;
 /// - another shift at least 4 cells away fits nearly as well (mean square below 1.5 times the
 ///   best).
-std::optional<Eigen::Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
-                                         const Eigen::Vector2i& centre, int half, int search);
+std::optional<PieceShift> FindShift(const HeightRaster& a, const HeightRaster& b,
+                                    const Eigen::Vector2i& centre, int half, int search);
 
 }  // namespace dn::matching_internal

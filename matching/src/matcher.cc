@@ -29,14 +29,13 @@ constexpr double kRasterCell_gsd = 3.0;
 constexpr double kMargin_gsd = 6.0;     // of the points about a cell: reach, and error of the start
 constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
 
-constexpr int kCoarseHalf = 16;    // cells on each side of the centre of a coarse piece
-constexpr int kCoarseSearch = 16;  // search radius in cells
-constexpr int kShadowCells = 6;    // cells of 3 GSD: width of the ground hidden by a house
+constexpr int kShadowCells = 6;  // cells of 3 GSD: width of the ground hidden by a house
+constexpr Pieces kCoarsePieces{16, 16, 300.0};
 constexpr int kFineHalf = 8;
 constexpr int kFineSearch = 6;
-constexpr int kRootCells = 32;           // side of the largest cells
-constexpr int kPlaceCells = 16;          // distance between the places with a raster search
-constexpr double kCoarsePlaces = 300.0;  // approximate number per strip pair
+constexpr Pieces kFinePieces{kFineHalf, kFineSearch, 1000.0};
+constexpr int kRootCells = 32;   // side of the largest cells
+constexpr int kPlaceCells = 16;  // distance between the places with a raster search
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
@@ -115,8 +114,9 @@ const MatchResult& Matcher::BringTogether() {
   ReadSamples();
   double search_m = FirstSearch();
   for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
-    search_m = RunLevel(search_m);
+    search_m = RunLevel(search_m, kCoarsePieces);
   }
+  RunLevel(kFineSearch * BaseCell(), kFinePieces);
   return result_;
 }
 
@@ -190,20 +190,20 @@ void Matcher::PlaceSamples() {
   }
 }
 
-double Matcher::RunLevel(double search_m) {
+double Matcher::RunLevel(double search_m, const Pieces& pieces) {
   MatchLevel level;
   level.search_m = search_m;
-  level.cell_m = std::max(BaseCell(), search_m / kCoarseSearch);
+  level.cell_m = std::max(BaseCell(), search_m / pieces.search);
   Tell(fmt::format("search within {:.1f} m", search_m));
   std::vector<CoarsePair> pairs;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     for (std::size_t j = i + 1; j < samples_.size(); ++j) {
-      if (Compares(i, j)) FindCoarse(i, j, &level, &pairs);
+      if (Compares(i, j)) FindCoarse(i, j, pieces, &level, &pairs);
     }
   }
-  level.found = pairs.size();
   const AlignmentFit fit = Align(pairs, kToleranceCells * level.cell_m);
-  level.agreeing = fit.agreeing;
+  // Each place has several points.
+  if (!pairs.empty()) level.agreeing = fit.agreeing * level.found / pairs.size();
   level.rms_m = fit.rms_m;
   level.boresight_rad = Boresight();
   PlaceSamples();
@@ -211,7 +211,7 @@ double Matcher::RunLevel(double search_m) {
   return std::max(search_m / kShrink, 3.0 * fit.rms_m);
 }
 
-void Matcher::FindCoarse(std::size_t i, std::size_t j, MatchLevel* level,
+void Matcher::FindCoarse(std::size_t i, std::size_t j, const Pieces& pieces, MatchLevel* level,
                          std::vector<CoarsePair>* pairs) {
   const StripSample& a = samples_[i];
   const StripSample& b = samples_[j];
@@ -219,24 +219,31 @@ void Matcher::FindCoarse(std::size_t i, std::size_t j, MatchLevel* level,
   if (!grid) return;
   const HeightRaster raster_a = MakeRaster(*grid, a.p_m, 0);
   const HeightRaster raster_b = MakeRaster(*grid, b.p_m, 0);
-  const std::vector<Vector2i> centres = CoarseCentres(raster_a);
+  const std::vector<Vector2i> centres = Centres(raster_a, pieces.places);
   level->places += centres.size();
-  std::vector<std::optional<Vector3d>> shifts(centres.size());
+  std::vector<std::optional<PieceShift>> shifts(centres.size());
   ParallelForChunks(
       centres.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
         for (std::size_t k = first; k < past; ++k) {
-          shifts[k] = FindShift(raster_a, raster_b, centres[k], kCoarseHalf, kCoarseSearch);
+          shifts[k] = FindShift(raster_a, raster_b, centres[k], pieces.half, pieces.search);
         }
       });
   for (std::size_t k = 0; k < centres.size(); ++k) {
-    if (shifts[k]) AddCoarse(i, j, raster_a, raster_b, centres[k], *shifts[k], pairs);
+    if (!shifts[k]) continue;
+    ++level->found;
+    // The corners of a piece carry its tilt, which shows roll and pitch.
+    for (const Vector2i& sign :
+         {Vector2i(-1, -1), Vector2i(1, -1), Vector2i(-1, 1), Vector2i(1, 1)}) {
+      const Vector2i corner = pieces.half * sign;
+      AddCoarse(i, j, raster_a, raster_b, centres[k] + corner, shifts[k]->At(corner), pairs);
+    }
   }
 }
 
-std::vector<Vector2i> Matcher::CoarseCentres(const HeightRaster& raster) {
+std::vector<Vector2i> Matcher::Centres(const HeightRaster& raster, double places) {
   double filled = 0.0;
   for (const std::int32_t point : raster.point) filled += point >= 0 ? 1.0 : 0.0;
-  const int step = std::max(4, static_cast<int>(std::sqrt(filled / kCoarsePlaces)));
+  const int step = std::max(4, static_cast<int>(std::sqrt(filled / places)));
   std::vector<Vector2i> centres;
   for (int y = step / 2; y < raster.grid.ny; y += step) {
     for (int x = step / 2; x < raster.grid.nx; x += step) {
@@ -247,12 +254,14 @@ std::vector<Vector2i> Matcher::CoarseCentres(const HeightRaster& raster) {
 }
 
 void Matcher::AddCoarse(std::size_t i, std::size_t j, const HeightRaster& raster_a,
-                        const HeightRaster& raster_b, const Vector2i& centre,
+                        const HeightRaster& raster_b, const Vector2i& place,
                         const Vector3d& shift_m, std::vector<CoarsePair>* pairs) const {
   const StripSample& a = samples_[i];
   const StripSample& b = samples_[j];
-  const auto at =
-      static_cast<std::size_t>(raster_a.point[raster_a.grid.Index(centre.x(), centre.y())]);
+  if (!raster_a.grid.Has(place.x(), place.y())) return;
+  const std::int32_t point = raster_a.point[raster_a.grid.Index(place.x(), place.y())];
+  if (point < 0) return;
+  const auto at = static_cast<std::size_t>(point);
   const Vector3d target_m = a.p_m[at] + shift_m;
   const Vector2i cell = raster_b.grid.CellIndex(target_m.head<2>());
   if (!raster_b.grid.Has(cell.x(), cell.y())) return;
@@ -292,7 +301,7 @@ std::vector<MatchedPlace> Matcher::FindPlaces(const HeightRaster& a, const Heigh
                                               StripPairMatch* match) const {
   Tell("places of " + PairName(match->i, match->j));
   const std::vector<GroundCell> cells = ChooseCells(a, b, kPlaceCells);
-  std::vector<std::optional<Vector3d>> shifts(cells.size());
+  std::vector<std::optional<PieceShift>> shifts(cells.size());
   ParallelForChunks(
       cells.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
         for (std::size_t k = first; k < past; ++k) {
@@ -302,7 +311,7 @@ std::vector<MatchedPlace> Matcher::FindPlaces(const HeightRaster& a, const Heigh
       });
   std::vector<MatchedPlace> places;
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (shifts[k]) places.push_back({cells[k].centre_en_m, *shifts[k]});
+    if (shifts[k]) places.push_back({cells[k].centre_en_m, shifts[k]->shift_m});
   }
   match->candidates = cells.size();
   match->found = places.size();

@@ -30,6 +30,13 @@ struct RegisteredCell {
   MatchedPair pair;
 };
 
+/// Pieces of a raster that are compared with another raster.
+struct Pieces {
+  int half = 0;         ///< cells on each side of the centre
+  int search = 0;       ///< search radius in cells
+  double places = 0.0;  ///< approximate number per strip pair
+};
+
 /// Finds the pairs of all strips of a source. What the strips have in common, such as a boresight,
 /// is up to the derived class.
 class Matcher {
@@ -84,14 +91,15 @@ class Matcher {
   void PlaceSamples();
 
   /// Runs one level of the alignment; returns the remaining search radius.
-  double RunLevel(double search_m);
+  double RunLevel(double search_m, const Pieces& pieces);
 
-  void FindCoarse(std::size_t i, std::size_t j, MatchLevel* level, std::vector<CoarsePair>* pairs);
+  void FindCoarse(std::size_t i, std::size_t j, const Pieces& pieces, MatchLevel* level,
+                  std::vector<CoarsePair>* pairs);
 
-  static std::vector<Eigen::Vector2i> CoarseCentres(const HeightRaster& raster);
+  static std::vector<Eigen::Vector2i> Centres(const HeightRaster& raster, double places);
 
   void AddCoarse(std::size_t i, std::size_t j, const HeightRaster& raster_a,
-                 const HeightRaster& raster_b, const Eigen::Vector2i& centre,
+                 const HeightRaster& raster_b, const Eigen::Vector2i& place,
                  const Eigen::Vector3d& shift_m, std::vector<CoarsePair>* pairs) const;
 
   void MatchStripPair(std::size_t i, std::size_t j, std::size_t most_roots);

@@ -184,6 +184,47 @@ TEST_F(MatchingManyRuns, OneCommandLeadsFromStripsToCorrectedStrips) {
   }
 }
 
+/// Two opposite lines 120 m apart, 1500 m long. They hardly separate yaw from pitch.
+constexpr const char* kOpposite = R"(
+name: opposite
+origin_deg_m: [46.57, 6.52, 0]
+start_s: 381000
+plan:
+  warm_up_s: 300
+  lines:
+    - [-750, 0, 750, 0, 700, 45]
+    - [750, 120, -750, 120, 700, 45]
+  bank_deg: 25
+  turbulence: {roll_deg: 1.0, pitch_deg: 0.7, heading_deg: 0.7, speed_m_s: 1.0, height_m: 2.0}
+terrain: {kind: mixed, base_m: 525, relief_m: 60, wavelength_m: 900, buildings_per_km2: 300, trees_per_km2: 0, seed: 1}
+imu: {rate_hz: 200, preset: airins}
+gnss: {rate_hz: 1, sigma_enu_m: [0.015, 0.015, 0.03], lever_arm_m: [0.4, -0.1, -1.1]}
+lidar:
+  R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]
+  scan_axis: [0, 1, 0]
+  nadir_axis: [1, 0, 0]
+  lever_arm_m: [0.14, -0.02, 0.21]
+  boresight_deg: [0.2, 0.03, 0.35]
+  fov_deg: 75
+  pulse_rate_hz: 10000
+  gsd_m: 1.1
+pairs: {count: 100}
+strips: true
+)";
+
+TEST_F(MatchingManyRuns, OppositeStripsAreMatchedFromAnUnknownBoresight) {
+  folder_->Write("opposite.yaml", kOpposite);
+  ASSERT_EQ(RunProgram({"simulate", In("opposite.yaml"), "--out", In("opposite")}).exit_code, 0);
+  const ProgramRun run = RunProgram({"match", In("opposite"), "--out", In("opposite_matched")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json match = Read("opposite_matched/match.json");
+  EXPECT_GT(match["counts"]["pairs"], 40);
+  EXPECT_LT(match["misalignment"]["after"]["rms_m"], 0.3);
+  EXPECT_NEAR(match["boresight_used_deg"][0].get<double>(), 0.2, 0.02);
+  EXPECT_NEAR(match["boresight_used_deg"][1].get<double>(), 0.03, 0.1);
+  EXPECT_NEAR(match["boresight_used_deg"][2].get<double>(), 0.35, 0.3);
+}
+
 TEST_F(MatchingManyRuns, PlanesAreFoundFromFarOff) {
   const std::string terrain =
       "terrain={kind: built_up, roughness_m: 0.01, relief_m: 40, wavelength_m: 250, "

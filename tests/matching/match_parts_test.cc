@@ -63,8 +63,23 @@ TEST(FindShift, IsFoundToAPartOfACellOverHouses) {
   const HeightRaster b = MakeRaster(grid, town.Points(60000, 150.0, 0.02, kShift_m, 2), 0);
   const auto shift = FindShift(a, b, {75, 75}, 16, 6);
   ASSERT_TRUE(shift);
-  EXPECT_LT((*shift - kShift_m).head<2>().norm(), 0.7);
-  EXPECT_NEAR(shift->z(), kShift_m.z(), 0.5);
+  EXPECT_LT((shift->shift_m - kShift_m).head<2>().norm(), 0.7);
+  EXPECT_NEAR(shift->shift_m.z(), kShift_m.z(), 0.5);
+}
+
+TEST(FindShift, HasTheTiltOfThePiece) {
+  const RoughTown town;
+  const RasterGrid grid = Grid(150, 2.0);
+  const std::vector<Vector3d> level = town.Points(60000, 300.0, 0.02, Vector3d::Zero(), 1);
+  std::vector<Vector3d> tilted = town.Points(60000, 300.0, 0.02, Vector3d::Zero(), 2);
+  for (Vector3d& p : tilted) p.z() += 0.01 * (p.x() - 150.0) - 0.02 * (p.y() - 150.0);
+  const auto shift =
+      FindShift(MakeRaster(grid, level, 0), MakeRaster(grid, tilted, 0), {75, 75}, 16, 6);
+  ASSERT_TRUE(shift);
+  // A cell is two metres wide.
+  EXPECT_NEAR(shift->slope_m.x(), 0.02, 0.008);
+  EXPECT_NEAR(shift->slope_m.y(), -0.04, 0.008);
+  EXPECT_NEAR((shift->At({10, 0}) - shift->shift_m).z(), 10.0 * shift->slope_m.x(), 1e-12);
 }
 
 TEST(FindShift, IsNotMadeUpOnFlatGround) {
