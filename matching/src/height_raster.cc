@@ -104,13 +104,14 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& poi
 }
 
 std::optional<PieceShift> FindShift(const HeightRaster& a, const HeightRaster& b,
-                                  const Vector2i& centre, int half, int search) {
+                                    const Vector2i& centre, int half, int search) {
   const std::vector<Sample> piece = SamplePiece(a, centre, half);
   if (piece.empty()) return std::nullopt;
-  const int across = 2 * search + 1;
-  std::vector<Difference> all(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
+  const auto across = static_cast<std::size_t>(2 * search + 1);
+  std::vector<Difference> all(across * across);
   const auto at = [&](int x, int y) -> Difference& {
-    return all[static_cast<std::size_t>((y + search) * across + x + search)];
+    return all[static_cast<std::size_t>(y + search) * across +
+               static_cast<std::size_t>(x + search)];
   };
   Vector2i best(0, 0);
   for (int y = -search; y <= search; ++y) {

@@ -196,7 +196,8 @@ plan:
     - [750, 120, -750, 120, 700, 45]
   bank_deg: 25
   turbulence: {roll_deg: 1.0, pitch_deg: 0.7, heading_deg: 0.7, speed_m_s: 1.0, height_m: 2.0}
-terrain: {kind: mixed, base_m: 525, relief_m: 60, wavelength_m: 900, buildings_per_km2: 300, trees_per_km2: 0, seed: 1}
+terrain: {kind: mixed, base_m: 525, relief_m: 60, wavelength_m: 900, buildings_per_km2: 300,
+          trees_per_km2: 0, seed: 1}
 imu: {rate_hz: 200, preset: airins}
 gnss: {rate_hz: 1, sigma_enu_m: [0.015, 0.015, 0.03], lever_arm_m: [0.4, -0.1, -1.1]}
 lidar:
