@@ -107,7 +107,7 @@ std::optional<PieceShift> FindShift(const HeightRaster& a, const HeightRaster& b
                                     const Vector2i& centre, int half, int search) {
   const std::vector<Sample> piece = SamplePiece(a, centre, half);
   if (piece.empty()) return std::nullopt;
-  const auto across = static_cast<std::size_t>(2 * search + 1);
+  const std::size_t across = 2 * static_cast<std::size_t>(search) + 1;
   std::vector<Difference> all(across * across);
   const auto at = [&](int x, int y) -> Difference& {
     return all[static_cast<std::size_t>(y + search) * across +
