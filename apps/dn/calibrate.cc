@@ -500,7 +500,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
     *action = [options] {
       options->common.inputs =
           options->flights.size() > 1
-              ? FleetInputs(options->flights, options->common.changes)
+              ? FleetInputs(options->flights, options->common.changes, options->fleet.between)
               : FlightInputs(options->flight, options->common.changes, options->trajectory);
       return Execute("calibrate", options->common, [&](Run& run) { Calibrate(*options, run); });
     };

@@ -356,9 +356,10 @@ void AddFleetOptions(CLI::App* app, FleetOptions* options) {
                 "Several flights: also combines flights whose verdict is not `calibrated`");
 }
 
-Inputs FleetInputs(const std::vector<std::string>& flights,
-                   const std::vector<std::string>& changes) {
+Inputs FleetInputs(const std::vector<std::string>& flights, const std::vector<std::string>& changes,
+                   const std::string& between) {
   Inputs all;
+  if (!between.empty()) all.folders.emplace_back(between);
   const auto append = [](std::vector<fs::path>* to, const std::vector<fs::path>& from) {
     to->insert(to->end(), from.begin(), from.end());
   };

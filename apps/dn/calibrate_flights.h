@@ -20,8 +20,9 @@ struct FleetOptions {
 void AddFleetOptions(CLI::App* app, FleetOptions* options);
 
 /// Returns the inputs of all flights. A flight may be a result folder with a reduced.json.
-Inputs FleetInputs(const std::vector<std::string>& flights,
-                   const std::vector<std::string>& changes);
+/// `between`: as in FleetOptions.
+Inputs FleetInputs(const std::vector<std::string>& flights, const std::vector<std::string>& changes,
+                   const std::string& between);
 
 /// Calibrates each flight in a process of its own into --out/<flight>, and combines their results.
 /// A flight with a result of the same data and configuration is not calibrated again. `changes`:

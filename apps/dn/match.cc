@@ -142,7 +142,7 @@ Inputs MatchInputs(const MatchCommand& command) {
     for (const std::string& file : command.what) inputs.files.emplace_back(file);
     return inputs;
   }
-  if (command.what.size() > 1) return FleetInputs(command.what, command.common.changes);
+  if (command.what.size() > 1) return FleetInputs(command.what, command.common.changes, "");
   return FlightInputs(command.what[0], command.common.changes, command.trajectory);
 }
 

@@ -119,6 +119,9 @@ TEST_F(CliTiedFlights, BadPairsGetAClearError) {
                                      Path("matched").string(), "--out", Path("refused").string()});
   EXPECT_EQ(one.exit_code, 2);
   EXPECT_THAT(one.err, HasSubstr("are for several flights"));
+  const ProgramRun onto = Calibrate("matched", {"--between", Path("matched").string()});
+  EXPECT_EQ(onto.exit_code, 2);
+  EXPECT_THAT(onto.err, HasSubstr("is a folder of the input data"));
   folder_->Write("broken/between_day_31_day_32/1_1.txt", "381200, 381300, 1, 2\n");
   const ProgramRun broken = Calibrate("refused", {"--between", Path("broken").string()});
   EXPECT_EQ(broken.exit_code, 1);
