@@ -60,7 +60,7 @@ TEST(GnssCorrelation, FindsTimeCorrelatedErrors) {
   }
 }
 
-// Of 300 such flights one has a p-value below 0.001, and seven below 0.05.
+// One in 300 such flights has a p-value below 0.001, and seven below 0.05.
 TEST(GnssCorrelation, IsSilentWhereTheProcessIsStated) {
   int alarms = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
