@@ -50,7 +50,7 @@ std::string TiesTable(const FleetTies& ties) {
     text += fmt::format("  {}: {} of {} pairs;", strips.file, strips.used,
                         strips.used + strips.rejected);
     for (int i = 0; i < 3; ++i) {
-      text += " " + FormatWithSigma(strips.mean_enu_m[i], strips.sigma_enu_m[i]);
+      text += (i == 0 ? " " : ", ") + FormatWithSigma(strips.mean_enu_m[i], strips.sigma_enu_m[i]);
     }
     text += fmt::format("; p = {:.2g}\n", strips.p_value);
   }
