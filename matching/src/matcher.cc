@@ -116,7 +116,7 @@ const MatchResult& Matcher::BringTogether() {
   for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
     search_m = RunLevel(search_m, kCoarsePieces);
   }
-  RunLevel(kFineSearch * BaseCell(), kFinePieces);
+  if (HasBoresight()) RunLevel(kFineSearch * BaseCell(), kFinePieces);
   return result_;
 }
 
@@ -231,6 +231,10 @@ void Matcher::FindCoarse(std::size_t i, std::size_t j, const Pieces& pieces, Mat
   for (std::size_t k = 0; k < centres.size(); ++k) {
     if (!shifts[k]) continue;
     ++level->found;
+    if (!HasBoresight()) {
+      AddCoarse(i, j, raster_a, raster_b, centres[k], shifts[k]->shift_m, pairs);
+      continue;
+    }
     // The corners of a piece carry its tilt, which shows roll and pitch.
     for (const Vector2i& sign :
          {Vector2i(-1, -1), Vector2i(1, -1), Vector2i(-1, 1), Vector2i(1, 1)}) {
