@@ -24,8 +24,9 @@ EffectModel MakeColumns(const FlightNetwork& network, const LinearizedNetwork& l
   EffectModel columns;
   for (const GnssEdge& edge : network.gnss().edges()) {
     if (!linearized.FindRows(edge.position)) continue;
-    const Eigen::MatrixXd J = AntennaDerivative(network, linearized, edge) *
-                              network.flight().gnss->epochs[edge.epoch].R_m_enu;
+    const Eigen::MatrixXd J =
+        AntennaDerivative(network, edge, linearized.EvaluateFactorAt(edge.position)) *
+        network.flight().gnss->epochs[edge.epoch].R_m_enu;
     const Eigen::VectorXd weight = cosines.At(network.nodes()[edge.node].t_s);
     EffectPart part{edge.position, Eigen::MatrixXd(J.rows(), 3 * cosines.count)};
     for (int k = 0; k < cosines.count; ++k) part.L.middleCols<3>(3 * k) = weight[k] * J;

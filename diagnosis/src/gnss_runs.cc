@@ -79,7 +79,7 @@ PredictedRun Predict(const FlightNetwork& network, const Marginals& marginals, c
                   [&](const auto& of_block) { return linearized.FirstColumn(of_block.first) < 0; });
     const auto first = 3 * static_cast<Index>(k);
     r.segment<3>(first) = factor.residual;
-    L.middleRows<3>(first) = AntennaDerivative(network, linearized, edge);
+    L.middleRows<3>(first) = AntennaDerivative(network, edge, factor);
     AddTransposed(factor, first, n, &J_transposed);
   }
   Marginals::Columns change = marginals.Solve(J_transposed);

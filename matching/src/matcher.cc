@@ -31,9 +31,7 @@ constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
 
 constexpr int kShadowCells = 6;  // cells of 3 GSD: width of the ground hidden by a house
 constexpr Pieces kCoarsePieces{16, 16, 300.0};
-constexpr int kFineHalf = 8;
-constexpr int kFineSearch = 6;
-constexpr Pieces kFinePieces{kFineHalf, kFineSearch, 1000.0};
+constexpr Pieces kFinePieces{8, 6, 1000.0};
 constexpr int kRootCells = 32;   // side of the largest cells
 constexpr int kPlaceCells = 16;  // distance between the places with a raster search
 constexpr double kToleranceCells = 2.5;
@@ -113,10 +111,10 @@ const MatchResult& Matcher::BringTogether() {
   result_.gsd_m = ChooseGsd();
   ReadSamples();
   double search_m = FirstSearch();
-  for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
+  for (int level = 0; level < kMostLevels && search_m > kFinePieces.search * BaseCell(); ++level) {
     search_m = RunLevel(search_m, kCoarsePieces);
   }
-  if (HasBoresight()) RunLevel(kFineSearch * BaseCell(), kFinePieces);
+  if (HasBoresight()) RunLevel(kFinePieces.search * BaseCell(), kFinePieces);
   return result_;
 }
 
@@ -277,7 +275,8 @@ void Matcher::AddCoarse(std::size_t i, std::size_t j, const HeightRaster& raster
 }
 
 void Matcher::MatchStripPair(std::size_t i, std::size_t j, std::size_t most_roots) {
-  const auto grid = CommonGrid(samples_[i], samples_[j], BaseCell(), kFineSearch * BaseCell());
+  const auto grid =
+      CommonGrid(samples_[i], samples_[j], BaseCell(), kFinePieces.search * BaseCell());
   if (!grid) return;
   StripPairMatch match;
   match.i = i;
@@ -306,13 +305,13 @@ std::vector<MatchedPlace> Matcher::FindPlaces(const HeightRaster& a, const Heigh
   Tell("places of " + PairName(match->i, match->j));
   const std::vector<GroundCell> cells = ChooseCells(a, b, kPlaceCells);
   std::vector<std::optional<PieceShift>> shifts(cells.size());
-  ParallelForChunks(
-      cells.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
-        for (std::size_t k = first; k < past; ++k) {
-          shifts[k] =
-              FindShift(a, b, a.grid.CellIndex(cells[k].centre_en_m), kFineHalf, kFineSearch);
-        }
-      });
+  ParallelForChunks(cells.size(), 4, options_.threads,
+                    [&](std::size_t, std::size_t first, std::size_t past) {
+                      for (std::size_t k = first; k < past; ++k) {
+                        shifts[k] = FindShift(a, b, a.grid.CellIndex(cells[k].centre_en_m),
+                                              kFinePieces.half, kFinePieces.search);
+                      }
+                    });
   std::vector<MatchedPlace> places;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     if (shifts[k]) places.push_back({cells[k].centre_en_m, shifts[k]->shift_m});

@@ -44,8 +44,8 @@ BeamConfig ReadBeams(const YamlValue& section);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 ControlConfig ReadControlSection(const YamlValue& section);
 std::vector<TieFiles> ReadTiesSection(const YamlValue& section);
-/// Reads the glob patterns of pair files, at least one.
-std::vector<std::string> ReadPairPatterns(const YamlValue& list);
+/// Reads the glob patterns of pair files, at least one unless `may_be_empty`.
+std::vector<std::string> ReadPairPatterns(const YamlValue& list, bool may_be_empty = false);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
 /// Reads the sigmas of an effect: one number for all components, or one for each. `read` is the
 /// conversion of a number.

@@ -121,6 +121,13 @@ Eigen::Matrix3d ReadRotation(const YamlValue& value) {
   }
 }
 
+std::vector<std::string> ReadPairPatterns(const YamlValue& list, bool may_be_empty) {
+  std::vector<std::string> patterns;
+  for (const YamlValue& item : list.Items(kMostPatterns)) patterns.push_back(item.Text());
+  if (patterns.empty() && !may_be_empty) list.Fail("must name at least one file");
+  return patterns;
+}
+
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const std::string& name) {
   std::vector<std::string> keys{"p2p",         "time_offset_s",
                                 "pairs",       "R_sensor_to_body",
@@ -135,12 +142,7 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const s
   LidarConfig lidar;
   lidar.name = name;
   if (!name.empty()) lidar.p2p = {"lidar_" + name + "/*.txt"};
-  if (section["p2p"]) {
-    lidar.p2p.clear();
-    for (const YamlValue& item : section["p2p"].Items(kMostPatterns))
-      lidar.p2p.push_back(item.Text());
-    if (lidar.p2p.empty() && name.empty()) section["p2p"].Fail("must name at least one file");
-  }
+  if (section["p2p"]) lidar.p2p = ReadPairPatterns(section["p2p"], !name.empty());
   lidar.time_offset_s = ReadTimeOffset(section);
   if (section["pairs"]) lidar.pairs = ReadSelection(section["pairs"]);
   const ScannerAxes axes = ReadScannerAxes(section, body_is_flu);

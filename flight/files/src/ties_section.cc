@@ -22,13 +22,6 @@ TieFiles ReadTieFiles(const YamlValue& item) {
 
 }  // namespace
 
-std::vector<std::string> ReadPairPatterns(const YamlValue& list) {
-  std::vector<std::string> patterns;
-  for (const YamlValue& item : list.Items(kMostPatterns)) patterns.push_back(item.Text());
-  if (patterns.empty()) list.Fail("must name at least one file");
-  return patterns;
-}
-
 std::vector<TieFiles> ReadTiesSection(const YamlValue& section) {
   std::vector<TieFiles> ties;
   for (const YamlValue& item : section.List(kMostFlights)) ties.push_back(ReadTieFiles(item));

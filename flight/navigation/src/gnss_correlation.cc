@@ -35,9 +35,10 @@ std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
     if (!rows) continue;
     const Eigen::Matrix3d R_m_enu =
         network.flight().frame.R_m_enu(network.trajectory().NodePose(edge.node).p_mb);
+    const Eigen::MatrixXd J =
+        AntennaDerivative(network, edge, linearized.EvaluateFactorAt(edge.position));
     positions.push_back(
-        {linearized.t_s(edge.position), rows->first,
-         std::sqrt(rows->weight) * AntennaDerivative(network, linearized, edge) * R_m_enu});
+        {linearized.t_s(edge.position), rows->first, std::sqrt(rows->weight) * J * R_m_enu});
   }
   return positions;
 }

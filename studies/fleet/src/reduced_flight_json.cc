@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "expect_covariance.h"
+#include "reduced_numbers.h"
 
 namespace dn {
 namespace {
@@ -38,7 +38,7 @@ Eigen::VectorXd ReadVector(const JsonPlace& list) {
   const std::vector<JsonPlace> elements = list.Elements(kMostUnknowns);
   Eigen::VectorXd vector(static_cast<Index>(elements.size()));
   for (std::size_t k = 0; k < elements.size(); ++k) {
-    vector[static_cast<Index>(k)] = elements[k].Number(-kLargestNumber, kLargestNumber);
+    vector[static_cast<Index>(k)] = fleet_internal::ReadNumber(elements[k]);
   }
   return vector;
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "expect_covariance.h"
+#include "reduced_numbers.h"
 
 namespace dn {
 namespace {
@@ -13,6 +13,7 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using fleet_internal::ReadNumber;
 
 constexpr std::size_t kMostPoints = 10'000, kMostNumbers = 3 * kMostPoints;
 
@@ -49,10 +50,6 @@ std::vector<JsonPlace> ExpectSize(const JsonPlace& list, Index size) {
     list.Fail("must have " + std::to_string(size) + " elements");
   }
   return elements;
-}
-
-double ReadNumber(const JsonPlace& place) {
-  return place.Number(-fleet_internal::kLargestNumber, fleet_internal::kLargestNumber);
 }
 
 MatrixXd ReadTriangle(const JsonPlace& list, Index size) {
