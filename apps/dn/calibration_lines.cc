@@ -139,6 +139,10 @@ void PrintNetwork(const FlightRun& flight_run, const BoresightResult& boresight,
       "  {} nodes, {} parameters, {} inertial and {} GNSS epochs, {} pairs kept, {} rejected\n",
       figures.nodes, figures.parameters, figures.imu_epochs, figures.gnss_epochs,
       figures.correspondences, figures.outliers);
+  if (figures.surface_pairs + figures.surface_outliers > 0) {
+    fmt::print("  {} surface pairs kept, {} rejected\n", figures.surface_pairs,
+               figures.surface_outliers);
+  }
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   if (const auto& control = flight_run.solution->model_check().control) {

@@ -275,11 +275,12 @@ int Execute(const std::string& command, const CommonOptions& options,
   return EndFailed(run, failure);
 }
 
-void AddChanges(CLI::App* app, const std::string& of, const std::string& example,
-                CommonOptions* options) {
-  app->add_option(
-         "--set", options->changes,
-         "key=value: replaces a value of " + of + " for this run, e.g. " + example + "; repeatable")
+CLI::Option* AddChanges(CLI::App* app, const std::string& of, const std::string& example,
+                        CommonOptions* options) {
+  return app
+      ->add_option("--set", options->changes,
+                   "key=value: replaces a value of " + of + " for this run, e.g. " + example +
+                       "; repeatable")
       ->take_all()
       ->expected(1);
 }

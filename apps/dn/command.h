@@ -114,8 +114,8 @@ void AddThreads(CLI::App* app, CommonOptions* options);
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
 
 /// Adds --set to a command that reads the YAML file `of`; `example` is a key=value for the help.
-void AddChanges(CLI::App* app, const std::string& of, const std::string& example,
-                CommonOptions* options);
+CLI::Option* AddChanges(CLI::App* app, const std::string& of, const std::string& example,
+                        CommonOptions* options);
 
 /// Adds the argument FLIGHT and --set.
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options);

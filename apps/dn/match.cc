@@ -107,6 +107,11 @@ std::string FormatPositions(const MatchResult& result, const BareMatchSource& so
 }
 
 void MatchBareCommand(const MatchCommand& command, Run& run) {
+  if (!command.common.changes.empty()) {
+    throw InvalidConfig(
+        "--set and --scanner change the flight.yaml of a flight, and strips alone "
+        "have none; give the folder of the flight instead");
+  }
   std::vector<fs::path> files(command.what.begin(), command.what.end());
   BareMatchSource source(FindMatchStrips(files), MakePointFilter(command));
   const MatchResult result = MatchBareStrips(&source, MakeMatchOptions(command, run));
@@ -157,6 +162,7 @@ void AddMatch(CLI::App* program, Action* action) {
                   "strips are matched with each other; or at least two strips (.las, .laz, .txt) "
                   "without a trajectory")
       ->required();
+  AddChanges(app, "flight.yaml", "strips_crs=utm:32n", &command->common);
   AddScanner(app, &command->common);
   app->add_option("--trajectory", command->trajectory,
                   "Trajectory (SBET .out or text). Default: that of the flight, else smoothed from "

@@ -72,16 +72,17 @@ void Print(const Json& match) {
   for (const Json& pair : match["strip_pairs"]) {
     width = std::max(width, Strips(pair["strips"]).size());
   }
-  fmt::print("{:<{}} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n", "strips", width,
-             "candidates", "found", "registered", "pairs", "apart rms [m]", "after",
+  fmt::print("{:<{}} {:>10} {:>6} {:>10} {:>6} {:>8} {:>13} {:>7} {:>22} {:>22}\n", "strips", width,
+             "candidates", "found", "registered", "pairs", "surfaces", "apart rms [m]", "after",
              "shift E, N, U [m]", "scatter E, N, U [m]");
   for (const Json& pair : match["strip_pairs"]) {
     const Json& counts = pair["counts"];
-    fmt::print("{:<{}} {:>10} {:>6} {:>10} {:>6} {:>13} {:>7} {:>22} {:>22}\n",
+    fmt::print("{:<{}} {:>10} {:>6} {:>10} {:>6} {:>8} {:>13} {:>7} {:>22} {:>22}\n",
                Strips(pair["strips"]), width, counts["candidates"].get<long>(),
                counts["found"].get<long>(), counts["registered"].get<long>(),
-               counts["pairs"].get<long>(), rms(pair, "before"), rms(pair, "after"),
-               offset(pair, "shift_enu_m"), offset(pair, "scatter_enu_m"));
+               counts["pairs"].get<long>(), counts["surface_pairs"].get<long>(),
+               rms(pair, "before"), rms(pair, "after"), offset(pair, "shift_enu_m"),
+               offset(pair, "scatter_enu_m"));
   }
   for (const Json& loop : match["loops"]) {
     fmt::print("loop {:<12} closes to {} m (sigma {})\n", Strips(loop["strips"]),
@@ -89,8 +90,38 @@ void Print(const Json& match) {
   }
 }
 
+/// Returns the less reliable origin of the laser vectors of two strips.
+VectorOrigin WeakerOrigin(const MatchResult& result, const StripPairMatch& match) {
+  return Weaker(*result.strips[match.i].origin, *result.strips[match.j].origin);
+}
+
+/// Returns the name of the file of two strips in a folder.
+std::string FileIn(const std::string& folder, const MatchSource& source,
+                   const StripPairMatch& match) {
+  return folder + "/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name +
+         ".txt";
+}
+
 std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
-  return "lidar/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name + ".txt";
+  return FileIn("lidar", source, match);
+}
+
+std::string SurfaceFile(const MatchSource& source, const StripPairMatch& match) {
+  return FileIn("surfaces", source, match);
+}
+
+/// Stages the file of the surface pairs of two strips; without any there is no file.
+void AddSurfaceFile(const MatchedFlight& matched, const StripPairMatch& match, Run& run) {
+  if (match.surfaces.empty()) return;
+  std::vector<SurfacePair> pairs;
+  const double offset_s = matched.config.lidar->time_offset_s;
+  for (const MatchedSurface& surface : match.surfaces) {
+    pairs.push_back(surface.pair);
+    pairs.back().ends.t_i_s += offset_s;
+    pairs.back().ends.t_j_s += offset_s;
+  }
+  run.AddFile(SurfaceFile(*matched.source, match),
+              FormatSurfacePairs(pairs, WeakerOrigin(matched.result, match)));
 }
 
 }  // namespace
@@ -214,9 +245,15 @@ FlightConfig WithMatches(const MatchedFlight& matched, const fs::path& folder,
   FlightConfig config = matched.config;
   const fs::path absolute = fs::absolute(folder);
   config.lidar->p2p.clear();
+  config.lidar->surface_pairs.clear();
   for (const StripPairMatch& match : matched.result.strip_pairs) {
-    if (match.pairs.empty()) continue;
-    config.lidar->p2p.push_back((absolute / PairFile(*matched.source, match)).string());
+    if (!match.pairs.empty()) {
+      config.lidar->p2p.push_back((absolute / PairFile(*matched.source, match)).string());
+    }
+    if (!match.surfaces.empty()) {
+      config.lidar->surface_pairs.push_back(
+          (absolute / SurfaceFile(*matched.source, match)).string());
+    }
   }
   AddRangeOffset(SharedRangeSigma(matched.result), &config);
   return matched.smoothed ? WithTrajectory(config, (absolute / trajectory).string()) : config;
@@ -227,9 +264,10 @@ void AddMatchFiles(const std::string& name, const MatchResult& result, const Mat
   Json match = MatchJson(name, result, source);
   match.update(more);
   for (const StripPairMatch& pair : result.strip_pairs) {
-    run.AddFile(
-        "matches/" + source.strips()[pair.i].name + "_" + source.strips()[pair.j].name + ".txt",
-        FormatMatches(pair));
+    run.AddFile(FileIn("matches", source, pair), FormatMatches(pair));
+    if (!pair.surfaces.empty()) {
+      run.AddFile(FileIn("surface_matches", source, pair), FormatSurfaceMatches(pair));
+    }
   }
   run.AddFile("match.json", FormatJson(match));
   run.report()["flight"] = name;
@@ -246,14 +284,14 @@ void AddPairFile(const std::string& name, const StripPairMatch& match, const Mat
     pairs.back().t_i_s += offsets.i_s;
     pairs.back().t_j_s += offsets.j_s;
   }
-  run.AddFile(name, FormatPairs(pairs, Weaker(*result.strips[match.i].origin,
-                                              *result.strips[match.j].origin)));
+  run.AddFile(name, FormatPairs(pairs, WeakerOrigin(result, match)));
 }
 
 void AddMatches(const MatchedFlight& matched, Run& run) {
   const double offset_s = matched.config.lidar->time_offset_s;
   for (const StripPairMatch& match : matched.result.strip_pairs) {
     AddPairFile(PairFile(*matched.source, match), match, matched.result, {offset_s, offset_s}, run);
+    AddSurfaceFile(matched, match, run);
   }
   AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
   AddSwathFiles(matched.result.swaths, matched.source->frame(), &run);

@@ -98,9 +98,12 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
 }
 
 void MonteCarlo(const MonteCarloArguments& options, Run& run) {
-  const Scenario scenario = ReadScenario(options.scenario);
+  const std::vector<std::string>& changes = options.common.changes;
+  const Scenario scenario = ReadScenario(options.scenario, changes);
   ExpectOneScanner(scenario, "dn monte-carlo");
-  const Json made_from = {{"scenario", ScenarioText(options.scenario)},
+  const std::string text =
+      changes.empty() ? ScenarioText(options.scenario) : FormatScenario(scenario);
+  const Json made_from = {{"scenario", text},
                           {"with_pairs", !options.without_pairs},
                           {"epoch_spacing_s", options.epoch_spacing_s},
                           {"unmodelled", options.unmodelled.value_or(0.0)},
@@ -147,6 +150,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
       "Simulates a scenario many times and tests the covariances against the true errors");
   app->add_option("SCENARIO", options->scenario, "Scenario file or name of a shipped scenario")
       ->required();
+  AddChanges(app, "the scenario", "gnss.rate_hz=5", &options->common);
   app->add_option("--flights", options->flights, "Number of simulated flights")
       ->check(WholeNumber(1, kMostFlights))
       ->capture_default_str();
@@ -177,7 +181,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
       "Example: dn monte-carlo uav3 --flights 100 --out consistency");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = ScenarioInputs(options->scenario);
+      options->common.inputs = ScenarioInputs(options->scenario, options->common.changes);
       options->common.resumable = true;
       return Execute("monte-carlo", options->common, [&](Run& run) { MonteCarlo(*options, run); });
     };

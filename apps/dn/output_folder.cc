@@ -110,6 +110,7 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
     if (!config.lidar) return;
     for (std::size_t k = 0; k < NumScanners(config); ++k) {
       AddPairFiles(folder, ScannerAt(config, k).p2p, inputs);
+      AddPairFiles(folder, ScannerAt(config, k).surface_pairs, inputs);
     }
     for (const PairsBetween& between : config.pairs_between) {
       AddPairFiles(folder, between.p2p, inputs);

@@ -78,7 +78,7 @@ StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& d
 }
 
 StudyAndLimits StudyScenario(const StudyArguments& options, Run* run) {
-  const Scenario scenario = ReadScenario(options.what);
+  const Scenario scenario = ReadScenario(options.what, options.common.changes);
   run->progress().Stage("studying " + scenario.name);
   run->report()["seed"] = options.seed;
   const StudyOptions study = MakeOptions(options, *run);
@@ -99,7 +99,7 @@ StudyAndLimits StudyFlight(const StudyArguments& options, Run* run) {
   FlightNeeds needs;
   needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
   needs.optional = true;
-  Flight flight = ReadFlight(options.what, needs);
+  Flight flight = ReadFlight(ReadFlightConfig(options.what, options.common.changes), needs);
   if (HasUnknownNoise(flight.config) && flight.config.imu->model.name == kUnknownGrade) {
     throw InvalidConfig(
         "imu.grade: unknown has no figures for a design; state imu.gyro and imu.accel, for example "
@@ -162,6 +162,8 @@ void AddStudyOptions(CLI::App* app, StudyArguments* options) {
   CLI::Option* what = app->add_option(
       "FLIGHT", options->what,
       "Scenario file, name of a shipped scenario, flight folder or YAML file of a flight");
+  CLI::Option* changes =
+      AddChanges(app, "the scenario or flight.yaml", "gnss.rate_hz=5", &options->common);
   app->add_option(
       "--estimate", options->estimate,
       "Comma-separated unknowns in addition to the boresight, as in `estimate` of flight.yaml. "
@@ -193,13 +195,15 @@ void AddStudyOptions(CLI::App* app, StudyArguments* options) {
       "shortest flight over a subset of the lines that meets them");
   what->excludes(sweep)->excludes(lines);
   sweep->excludes(lines);
+  changes->excludes(sweep)->excludes(lines);
   AddCommonOptions(app, &options->common, true);
 }
 
 Inputs StudyInputs(const StudyArguments& options) {
   if (!options.what.empty()) {
-    return std::filesystem::is_directory(options.what) ? FlightInputs(options.what, {})
-                                                       : ScenarioInputs(options.what);
+    const std::vector<std::string>& changes = options.common.changes;
+    return std::filesystem::is_directory(options.what) ? FlightInputs(options.what, changes)
+                                                       : ScenarioInputs(options.what, changes);
   }
   Inputs inputs;
   inputs.files.emplace_back(options.sweep.file.empty() ? options.lines : options.sweep.file);

@@ -73,6 +73,7 @@ class NetworkHypotheses {
     AddPairs();
     AddControl(network_.control());
     AddControl(network_.ties());
+    AddControl(network_.surfaces());
     Library out;
     const std::size_t first_discrepancy = found_.hypotheses.size() - num_discrepancies_;
     for (std::size_t k = 0; k < found_.hypotheses.size(); ++k) {
@@ -163,7 +164,7 @@ class NetworkHypotheses {
       if (edge.bridge_i) edges.insert(*edge.bridge_i);
       if (edge.bridge_j) edges.insert(*edge.bridge_j);
     }
-    for (const ControlEdges* all : {&network_.control(), &network_.ties()}) {
+    for (const ControlEdges* all : {&network_.control(), &network_.ties(), &network_.surfaces()}) {
       for (const ControlEdge& edge : all->edges()) {
         if (edge.bridge) edges.insert(*edge.bridge);
       }

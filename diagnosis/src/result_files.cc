@@ -156,6 +156,10 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   json["estimates"] = UnknownsJson(unknowns);
   json["clocks"] = ClocksJson(check.clocks);
   Json figures = AdjustmentJson(trajectory.figures);
+  if (trajectory.figures.surface_pairs + trajectory.figures.surface_outliers > 0) {
+    figures["surface_pairs"] = trajectory.figures.surface_pairs;
+    figures["surface_outliers"] = trajectory.figures.surface_outliers;
+  }
   figures["condition_number"] = boresight.condition_number;
   figures["residual_initial_m"] = adjustment.residual_initial_m;
   figures["residual_final_m"] = adjustment.residual_final_m;

@@ -4,12 +4,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
-#include <utility>
 
 #include "beam_number.h"
 #include "glob.h"
 #include "laser_vector.h"
+#include "repeated_pairs.h"
 #include "text_rows.h"
 
 namespace dn {
@@ -106,37 +105,6 @@ void AppendFile(const std::filesystem::path& path, double time_offset_s, PairDat
   }
 }
 
-/// Epochs and vectors of a pair, ordered so that the smaller end is first.
-using PairKey = std::array<double, 8>;
-
-PairKey MakeKey(const LidarPair& pair) {
-  const PairKey key{pair.t_i_s, pair.u_i_s.x(), pair.u_i_s.y(), pair.u_i_s.z(),
-                    pair.t_j_s, pair.u_j_s.x(), pair.u_j_s.y(), pair.u_j_s.z()};
-  PairKey swapped = key;
-  std::rotate(swapped.begin(), swapped.begin() + 4, swapped.end());
-  return std::min(key, swapped);
-}
-
-/// Keeps the first of several equal pairs, where i and j may be exchanged; returns the number of
-/// dropped pairs.
-long DropRepeats(std::vector<LidarPair>& pairs) {
-  std::vector<std::pair<PairKey, std::size_t>> order;
-  order.reserve(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) order.emplace_back(MakeKey(pairs[i]), i);
-  std::sort(order.begin(), order.end());
-  std::vector<bool> repeated(pairs.size(), false);
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    repeated[order[i].second] = order[i].first == order[i - 1].first;
-  }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (!repeated[i]) pairs[kept++] = pairs[i];
-  }
-  const auto dropped = static_cast<long>(pairs.size() - kept);
-  pairs.resize(kept);
-  return dropped;
-}
-
 }  // namespace
 
 std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& folder,
@@ -162,7 +130,8 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
   if (data.pairs.empty()) {
     throw InvalidInput("no lidar pair in " + folder.string() + ": no file pattern is given");
   }
-  data.repeated_pairs_dropped = DropRepeats(data.pairs);
+  data.repeated_pairs_dropped = lidar_internal::DropRepeats(
+      data.pairs, [](const LidarPair& pair) -> const LidarPair& { return pair; });
   return data;
 }
 

@@ -121,4 +121,30 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   return out;
 }
 
+HeightAgreement AgreeInHeight(const std::vector<PlacedHeight>& given) {
+  HeightAgreement out;
+  out.agrees.assign(given.size(), true);
+  if (given.size() < kFewest) return out;
+  std::vector<PlacedShift> shifts;
+  for (const PlacedHeight& height : given) {
+    shifts.push_back({height.at_en_m, Vector3d(0.0, 0.0, height.shift_m),
+                      Vector3d(1.0, 1.0, height.variance_m2).asDiagonal()});
+  }
+  shifts = WithoutTrend(std::move(shifts));
+  std::vector<double> sizes;
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    sizes.push_back(std::abs(Normalise(shifts[i], NeighbourMedian(i, shifts)).by_axis.z()));
+  }
+  const double scale = std::max(1.0, kSigmaPerMedian * Median(sizes));
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    out.agrees[i] = sizes[i] <= kMostSigmas * scale;
+    if (!out.agrees[i]) continue;
+    sum += sizes[i] * sizes[i];
+    count += 1.0;
+  }
+  if (count > 0.0) out.variance_factor = std::max(1.0, sum / count);
+  return out;
+}
+
 }  // namespace dn::matching_internal

@@ -35,4 +35,20 @@ struct Agreement {
 /// Shifts along the track are then less accurate than those across it.
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
+/// The shift of a smooth patch along its normal, and its position.
+struct PlacedHeight {
+  Eigen::Vector2d at_en_m = Eigen::Vector2d::Zero();
+  double shift_m = 0.0;
+  double variance_m2 = 0.0;
+};
+
+/// The heights that agree with their neighbours.
+struct HeightAgreement {
+  std::vector<bool> agrees;
+  double variance_factor = 1.0;  ///< as in Agreement
+};
+
+/// Does the same as AgreeWithNeighbours for heights.
+HeightAgreement AgreeInHeight(const std::vector<PlacedHeight>& given);
+
 }  // namespace dn::matching_internal

@@ -24,13 +24,8 @@ struct Cell {
 /// Finds the cells near a place.
 class CellMap {
  public:
-  explicit CellMap(const MatchResult& result) {
-    for (const StripPairMatch& match : result.strip_pairs) {
-      for (const MatchedPair& pair : match.pairs) {
-        cells_.push_back({pair.p_j_m.head<2>(), pair.radius_m, {match.i, match.j}});
-        side_m_ = std::max(side_m_, 2.0 * pair.radius_m);
-      }
-    }
+  explicit CellMap(std::vector<Cell> cells) : cells_(std::move(cells)) {
+    for (const Cell& cell : cells_) side_m_ = std::max(side_m_, 2.0 * cell.radius_m);
     for (std::size_t k = 0; k < cells_.size(); ++k) map_[Index(cells_[k].centre_en_m)].push_back(k);
   }
 
@@ -80,15 +75,32 @@ std::size_t NumIndependent(const std::set<StripPair>& strip_pairs) {
   return independent;
 }
 
+/// Returns the number of strip pairs divided by that of the independent ones.
+double Redundancy(const std::set<StripPair>& strip_pairs) {
+  return static_cast<double>(strip_pairs.size()) / static_cast<double>(NumIndependent(strip_pairs));
+}
+
+/// Returns the cell of a pair or of a surface.
+template <class Match>
+Cell MakeCell(const StripPairMatch& strips, const Match& match) {
+  return {match.p_j_m.template head<2>(), match.radius_m, {strips.i, strips.j}};
+}
+
 }  // namespace
 
 void InflateLoops(MatchResult* result) {
-  const CellMap cells(*result);
+  std::vector<Cell> cells;
+  for (const StripPairMatch& match : result->strip_pairs) {
+    for (const MatchedPair& pair : match.pairs) cells.push_back(MakeCell(match, pair));
+    for (const MatchedSurface& surface : match.surfaces) cells.push_back(MakeCell(match, surface));
+  }
+  const CellMap map(std::move(cells));
   for (StripPairMatch& match : result->strip_pairs) {
     for (MatchedPair& pair : match.pairs) {
-      const auto at = cells.StripPairsAt({pair.p_j_m.head<2>(), pair.radius_m, {match.i, match.j}});
-      *pair.pair.covariance_m2 *=
-          static_cast<double>(at.size()) / static_cast<double>(NumIndependent(at));
+      *pair.pair.covariance_m2 *= Redundancy(map.StripPairsAt(MakeCell(match, pair)));
+    }
+    for (MatchedSurface& surface : match.surfaces) {
+      surface.pair.sigma_m *= std::sqrt(Redundancy(map.StripPairsAt(MakeCell(match, surface))));
     }
   }
 }

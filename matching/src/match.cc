@@ -38,6 +38,7 @@ class FlightMatcher : public Matcher {
 
   bool HasBoresight() const override { return true; }
   bool MustOverlap() const override { return options().must_overlap; }
+  bool TakesSurfaces() const override { return options().beams == 1; }
   Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
 
   bool RemovePlantOffset(MatchResult* result) const override {

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <optional>
 
+#include "patch_differences.h"
+
 namespace dn::matching_internal {
 namespace {
 
@@ -29,32 +31,62 @@ double QuarterSigma(const Registration& cell, const Matrix3d& covariance_m2) {
   return std::sqrt(4.0 * share * covariance_m2.trace());
 }
 
+/// Returns which parts of a cell have points of a patch that is shifted by shift_m.
+std::vector<bool> FilledParts(const PatchSurface& patch, const GroundCell& cell,
+                              const Vector3d& shift_m) {
+  std::vector<bool> filled(kPartsAcross * kPartsAcross, false);
+  for (const Vector3d& p_m : patch.points_m()) {
+    const Vector3d at_m = p_m - shift_m;
+    if (cell.Contains(at_m)) filled[static_cast<std::size_t>(PartIndex(cell, at_m))] = true;
+  }
+  return filled;
+}
+
 class Splitter {
  public:
   Splitter(const PatchSurface& a, const PatchSurface& b, const MatchCellsOptions& options)
       : a_(a), b_(b), options_(options) {}
 
-  std::vector<CellMatch> Match(const GroundCell& cell, const Vector3d& start_m) const {
+  CellMatches Match(const GroundCell& cell, const Vector3d& start_m) const {
     Vector3d shift_m = start_m;
-    std::vector<CellMatch> quarters;
+    CellMatches quarters;
     if (0.5 * cell.half_m >= options_.smallest_half_m) {
+      if (IsMostlyEmpty(cell, start_m)) return MatchQuarters(cell, start_m);
       const auto rough = Register(cell, start_m, kPointsToSplit);
       if (rough) shift_m = rough->shift_m;
       if (rough &&
           QuarterSigma(*rough, OwnCovariance(*rough)) <= kMostQuarterSigma_gsd * options_.gsd_m) {
         quarters = MatchQuarters(cell, shift_m);
-        if (HaveMost(quarters, *rough)) return quarters;
+        if (HaveMost(quarters.cells, *rough)) return quarters;
       }
     }
-    const auto registration = Register(cell, shift_m, kMostPoints);
-    if (!registration) return quarters;
-    return {{cell, *registration}};
+    if (const auto registration = Register(cell, shift_m, kMostPoints)) {
+      return {{{cell, *registration}}, {}};
+    }
+    return quarters.cells.empty() ? MatchSurface(cell, shift_m) : quarters;
   }
 
  private:
+  /// Returns whether too few parts of a cell have points of both strips to register it. The cell is
+  /// then at the border of the overlap, or at a small object.
+  bool IsMostlyEmpty(const GroundCell& cell, const Vector3d& start_m) const {
+    const std::vector<bool> in_a = FilledParts(a_, cell, Vector3d::Zero());
+    const std::vector<bool> in_b = FilledParts(b_, cell, start_m);
+    int filled = 0;
+    for (std::size_t k = 0; k < in_a.size(); ++k) filled += in_a[k] && in_b[k] ? 1 : 0;
+    return filled < kFewestParts;
+  }
+
   std::optional<Registration> Register(const GroundCell& cell, const Vector3d& start_m,
                                        std::size_t points) const {
     return RegisterPatches(a_, b_, start_m, {cell, options_.gsd_m, points});
+  }
+
+  CellMatches MatchSurface(const GroundCell& cell, const Vector3d& start_m) const {
+    if (!options_.with_surfaces) return {};
+    const auto registration = RegisterSurface(a_, b_, start_m, {cell, options_.gsd_m, kMostPoints});
+    if (!registration) return {};
+    return {{}, {{cell, *registration}}};
   }
 
   /// Returns whether the quarters have at least half of the information of their cell.
@@ -67,13 +99,14 @@ class Splitter {
     return (share * OwnCovariance(cell) * information).trace() >= 3.0 * kLeastInformation;
   }
 
-  std::vector<CellMatch> MatchQuarters(const GroundCell& cell, const Vector3d& start_m) const {
-    std::vector<CellMatch> found;
+  CellMatches MatchQuarters(const GroundCell& cell, const Vector3d& start_m) const {
+    CellMatches found;
     const double half_m = 0.5 * cell.half_m;
     for (const Vector2d& corner :
          {Vector2d(-1, -1), Vector2d(1, -1), Vector2d(-1, 1), Vector2d(1, 1)}) {
-      std::ranges::move(Match({cell.centre_en_m + half_m * corner, half_m}, start_m),
-                        std::back_inserter(found));
+      CellMatches quarter = Match({cell.centre_en_m + half_m * corner, half_m}, start_m);
+      std::ranges::move(quarter.cells, std::back_inserter(found.cells));
+      std::ranges::move(quarter.surfaces, std::back_inserter(found.surfaces));
     }
     return found;
   }
@@ -85,8 +118,8 @@ class Splitter {
 
 }  // namespace
 
-std::vector<CellMatch> MatchCells(const PatchSurface& a, const PatchSurface& b,
-                                  const Vector3d& start_m, const MatchCellsOptions& options) {
+CellMatches MatchCells(const PatchSurface& a, const PatchSurface& b, const Vector3d& start_m,
+                       const MatchCellsOptions& options) {
   return Splitter(a, b, options).Match(options.root, start_m);
 }
 

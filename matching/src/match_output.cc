@@ -87,8 +87,10 @@ Json StripPairJson(const StripPairMatch& match, const MatchSource& source) {
            {{"candidates", match.candidates},
             {"found", match.found},
             {"registered", match.registered},
-            {"pairs", match.pairs.size()}}},
+            {"pairs", match.pairs.size()},
+            {"surface_pairs", match.surfaces.size()}}},
           {"variance_factor", match.variance_factor},
+          {"surface_variance_factor", match.surface_variance_factor},
           {"evenness", ComputeEvenness(match.pairs, match.overlap_m2)},
           {"sigma_3d_median_m", match.pairs.empty() ? Json() : Json(MedianSigma(match))},
           {"misalignment", differences.ToJson()},
@@ -149,7 +151,8 @@ Json MatchJson(const std::string& name, const MatchResult& result, const MatchSo
   }
   for (const MatchLevel& level : result.levels) levels.push_back(LevelJson(level));
   Differences all;
-  Json counts = {{"candidates", 0}, {"found", 0}, {"registered", 0}, {"pairs", 0}};
+  Json counts = {
+      {"candidates", 0}, {"found", 0}, {"registered", 0}, {"pairs", 0}, {"surface_pairs", 0}};
   for (const StripPairMatch& match : result.strip_pairs) {
     strip_pairs.push_back(StripPairJson(match, source));
     all.Add(match);
@@ -162,6 +165,7 @@ Json MatchJson(const std::string& name, const MatchResult& result, const MatchSo
                {"gsd_m", result.gsd_m},
                {"boresight_used_deg", ToJson(result.boresight_rad * kDegPerRad)},
                {"variance_factor", result.variance_factor},
+               {"surface_variance_factor", result.surface_variance_factor},
                {"counts", counts},
                {"misalignment", all.ToJson()},
                {"strips", strips},
@@ -183,6 +187,26 @@ std::string FormatMatches(const StripPairMatch& match) {
       for (int i = 0; i < 3; ++i) text += ", " + FormatDouble(std::round(v[i] * 1e5) / 1e5);
     }
     text += ", " + FormatDouble(pair.radius_m) + "\n";
+  }
+  return text;
+}
+
+std::string FormatSurfaceMatches(const StripPairMatch& match) {
+  std::string text =
+      "# t_i [s], t_j [s], p_j east, north, up [m], normal east, north, up, distance along the "
+      "normal i - j before [m], after [m], sigma [m], radius [m]\n";
+  for (const MatchedSurface& surface : match.surfaces) {
+    text += FormatDouble(surface.pair.ends.t_i_s) + ", " + FormatDouble(surface.pair.ends.t_j_s);
+    const auto append = [&](double value) {
+      text += ", " + FormatDouble(std::round(value * 1e5) / 1e5);
+    };
+    for (const Vector3d& v : {surface.p_j_m, surface.pair.normal_m}) {
+      for (int i = 0; i < 3; ++i) append(v[i]);
+    }
+    for (const double value : {surface.before_m, surface.after_m, surface.pair.sigma_m}) {
+      append(value);
+    }
+    text += ", " + FormatDouble(surface.radius_m) + "\n";
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <dn/parallel.h>
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,6 +29,7 @@ constexpr double kSampleCell_gsd = 2.0;  // so small that a shifted raster has f
 constexpr double kRasterCell_gsd = 3.0;
 constexpr double kMargin_gsd = 6.0;     // of the points about a cell: reach, and error of the start
 constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
+constexpr double kLeastUp = 0.7071;     // of the normal of a surface: 45 deg from the vertical
 
 constexpr int kShadowCells = 6;  // cells of 3 GSD: width of the ground hidden by a house
 constexpr Pieces kCoarsePieces{16, 16, 300.0};
@@ -99,7 +101,34 @@ std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b,
   return grid;
 }
 
+/// Returns the surface of a pair whose shift is accurate in one direction only.
+MatchedSurface AlongBestDirection(const MatchedPair& pair, const Eigen::Matrix3d& covariance_m2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance_m2);
+  const Vector3d normal = eigen.eigenvectors().col(0);
+  MatchedSurface surface;
+  surface.pair.ends = pair.pair;
+  surface.pair.normal_m = normal.z() < 0.0 ? Vector3d(-normal) : normal;
+  surface.pair.sigma_m = std::sqrt(eigen.eigenvalues()[0]);
+  surface.radius_m = pair.radius_m;
+  return surface;
+}
+
+/// Returns the mean of the middle nine tenths of variance ratios, at least 1.
+double MeanRatio(std::vector<double> ratios) {
+  if (ratios.size() < kFewestForFactor) return 1.0;
+  std::sort(ratios.begin(), ratios.end());
+  const std::size_t cut = ratios.size() / 20;
+  double sum = 0.0;
+  for (std::size_t k = cut; k < ratios.size() - cut; ++k) sum += ratios[k];
+  return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
+}
+
 }  // namespace
+
+void RegisteredCells::Append(RegisteredCells more) {
+  std::ranges::move(more.cells, std::back_inserter(cells));
+  std::ranges::move(more.surfaces, std::back_inserter(surfaces));
+}
 
 double Matcher::BaseCell() const { return kRasterCell_gsd * result_.gsd_m; }
 
@@ -290,7 +319,7 @@ void Matcher::MatchStripPair(std::size_t i, std::size_t j, std::size_t most_root
   }
   if (match.overlap_m2 == 0.0) return;
   const std::vector<MatchedPlace> places = FindPlaces(raster_a, raster_b, &match);
-  std::vector<RegisteredCell> work;
+  RegisteredCells work;
   if (!places.empty()) {
     std::vector<GroundCell> roots = ChooseCells(raster_a, raster_b, kRootCells);
     roots.resize(std::min(roots.size(), most_roots));
@@ -341,10 +370,10 @@ double Matcher::KeepShare(std::size_t strip) const {
   return std::min(1.0, MostPoints() / (samples_[strip].point_density_m2 * gsd_m * gsd_m));
 }
 
-std::vector<RegisteredCell> Matcher::RegisterRoots(const StripPairMatch& match,
-                                                   const std::vector<GroundCell>& roots,
-                                                   const std::vector<MatchedPlace>& places) const {
-  std::vector<RegisteredCell> work;
+RegisteredCells Matcher::RegisterRoots(const StripPairMatch& match,
+                                       const std::vector<GroundCell>& roots,
+                                       const std::vector<MatchedPlace>& places) const {
+  RegisteredCells work;
   const double root_gsd = kRasterCell_gsd * kRootCells;
   const auto at_once = std::max<std::size_t>(
       1, static_cast<std::size_t>(kPointsAtOnce / (MostPoints() * root_gsd * root_gsd)));
@@ -356,14 +385,13 @@ std::vector<RegisteredCell> Matcher::RegisterRoots(const StripPairMatch& match,
                  places, &work);
     Tell("registration of " + PairName(match.i, match.j),
          fmt::format("{} of {}", past, roots.size()));
-    if (work.size() >= 2 * options_.most_pairs) break;
+    if (work.cells.size() >= 2 * options_.most_pairs) break;
   }
   return work;
 }
 
 void Matcher::RegisterSome(const StripPairMatch& match, const std::vector<GroundCell>& roots,
-                           const std::vector<MatchedPlace>& places,
-                           std::vector<RegisteredCell>* work) const {
+                           const std::vector<MatchedPlace>& places, RegisteredCells* work) const {
   std::vector<Vector3d> starts_m;
   std::vector<GatherCell> cells_a, cells_b;
   const double margin_m = kMargin_gsd * result_.gsd_m;
@@ -380,40 +408,40 @@ void Matcher::RegisterSome(const StripPairMatch& match, const std::vector<Ground
     });
   };
   const std::vector<CellPoints> in_a = gather(match.i, cells_a), in_b = gather(match.j, cells_b);
-  std::vector<std::vector<RegisteredCell>> found(roots.size());
+  std::vector<RegisteredCells> found(roots.size());
   ParallelForChunks(roots.size(), 1, options_.threads,
                     [&](std::size_t, std::size_t from, std::size_t to) {
                       for (std::size_t k = from; k < to; ++k) {
                         found[k] = RegisterRoot(match.i, roots[k], starts_m[k], in_a[k], in_b[k]);
                       }
                     });
-  for (std::vector<RegisteredCell>& each : found)
-    std::ranges::move(each, std::back_inserter(*work));
+  for (RegisteredCells& each : found) work->Append(std::move(each));
 }
 
-std::vector<RegisteredCell> Matcher::RegisterRoot(std::size_t i, const GroundCell& root,
-                                                  const Vector3d& start_m, const CellPoints& in_a,
-                                                  const CellPoints& in_b) const {
+RegisteredCells Matcher::RegisterRoot(std::size_t i, const GroundCell& root,
+                                      const Vector3d& start_m, const CellPoints& in_a,
+                                      const CellPoints& in_b) const {
   if (options_.beams > 1) return RegisterBeams(i, root, start_m, in_a, in_b);
   return RegisterPoints(i, root, start_m, in_a, in_b);
 }
 
-std::vector<RegisteredCell> Matcher::RegisterBeams(std::size_t i, const GroundCell& root,
-                                                   const Vector3d& start_m, const CellPoints& in_a,
-                                                   const CellPoints& in_b) const {
-  std::vector<RegisteredCell> work;
+RegisteredCells Matcher::RegisterBeams(std::size_t i, const GroundCell& root,
+                                       const Vector3d& start_m, const CellPoints& in_a,
+                                       const CellPoints& in_b) const {
+  RegisteredCells work;
   if (in_a.size() == 0 || in_b.size() == 0) return work;
   if (in_a.beam.empty() || in_b.beam.empty()) FailWithoutBeams();
   const double cells = root.centre_en_m.sum() / (2.0 * root.half_m);
   const int beams = options_.beams, apart = static_cast<int>(std::floor(cells)) % beams + beams;
   for (int beam = 0; beam < beams; ++beam) {
     const int other = (beam + apart) % beams;
-    for (RegisteredCell& each :
-         RegisterPoints(i, root, start_m, in_a.WithBeam(beam), in_b.WithBeam(other))) {
+    RegisteredCells found =
+        RegisterPoints(i, root, start_m, in_a.WithBeam(beam), in_b.WithBeam(other));
+    for (RegisteredCell& each : found.cells) {
       each.pair.pair.beam_i = beam;
       each.pair.pair.beam_j = other;
-      work.push_back(std::move(each));
     }
+    work.Append(std::move(found));
   }
   return work;
 }
@@ -425,54 +453,67 @@ void Matcher::FailWithoutBeams() const {
       {source_.strips().front().files.front().string()});
 }
 
-std::vector<RegisteredCell> Matcher::RegisterPoints(std::size_t i, const GroundCell& root,
-                                                    const Vector3d& start_m, const CellPoints& in_a,
-                                                    const CellPoints& in_b) const {
-  std::vector<RegisteredCell> work;
+RegisteredCells Matcher::RegisterPoints(std::size_t i, const GroundCell& root,
+                                        const Vector3d& start_m, const CellPoints& in_a,
+                                        const CellPoints& in_b) const {
+  RegisteredCells work;
   if (in_a.size() == 0 || in_b.size() == 0) return work;
   const double gsd_m = result_.gsd_m;
   const PatchSurface a(in_a.p_m, kReach_gsd * gsd_m), b(in_b.p_m, kReach_gsd * gsd_m);
-  const double smallest_m = options_.patch_gsd * gsd_m;
-  for (const CellMatch& match : MatchCells(a, b, start_m, {root, gsd_m, smallest_m})) {
-    work.push_back({match.registration, MakePair(i, match, in_a, in_b, b)});
+  const CellMatches matches =
+      MatchCells(a, b, start_m, {root, gsd_m, options_.patch_gsd * gsd_m, TakesSurfaces()});
+  for (const auto& [cell, registration] : matches.cells) {
+    MatchedPair pair;
+    pair.pair = MakePair(i, registration.centre_en_m, registration.shift_m, in_a, in_b, b);
+    pair.radius_m = cell.half_m;
+    pair.volumetric_share = registration.volumetric_share;
+    work.cells.push_back({registration, std::move(pair)});
+  }
+  for (const auto& [cell, registration] : matches.surfaces) {
+    MatchedSurface surface;
+    surface.pair.ends = MakePair(i, registration.centre_en_m, registration.shift_m, in_a, in_b, b);
+    surface.pair.normal_m = registration.normal_m;
+    surface.radius_m = cell.half_m;
+    work.surfaces.push_back({registration, std::move(surface)});
   }
   return work;
 }
 
-MatchedPair Matcher::MakePair(std::size_t i, const CellMatch& match, const CellPoints& in_a,
-                              const CellPoints& in_b, const PatchSurface& b) const {
+LidarPair Matcher::MakePair(std::size_t i, const Vector2d& at_en_m, const Vector3d& shift_m,
+                            const CellPoints& in_a, const CellPoints& in_b,
+                            const PatchSurface& b) const {
   std::size_t at = 0;
   const auto off_m2 = [&](std::size_t k) {
-    return (in_a.p_m[k].head<2>() - match.registration.centre_en_m).squaredNorm();
+    return (in_a.p_m[k].head<2>() - at_en_m).squaredNorm();
   };
   for (std::size_t k = 1; k < in_a.size(); ++k) {
     if (off_m2(k) < off_m2(at)) at = k;
   }
-  const Vector3d& shift_m = match.registration.shift_m;
   const std::size_t to = b.NearestTo(in_a.p_m[at] + shift_m).index;
-  MatchedPair pair;
-  pair.pair.t_i_s = in_a.t_s[at];
-  pair.pair.t_j_s = in_b.t_s[to];
-  pair.pair.u_i_s = source_.RawAt(i, in_a.t_s[at], in_b.p_m[to] - shift_m);
-  pair.pair.u_j_s = in_b.x[to];
-  pair.radius_m = match.cell.half_m;
-  pair.volumetric_share = match.registration.volumetric_share;
+  LidarPair pair;
+  pair.t_i_s = in_a.t_s[at];
+  pair.t_j_s = in_b.t_s[to];
+  pair.u_i_s = source_.RawAt(i, in_a.t_s[at], in_b.p_m[to] - shift_m);
+  pair.u_j_s = in_b.x[to];
   return pair;
 }
 
 double Matcher::VarianceFactor() const {
   std::vector<double> ratios;
-  for (const auto& work : registered_) {
-    for (const RegisteredCell& w : work) {
+  for (const RegisteredCells& work : registered_) {
+    for (const RegisteredCell& w : work.cells) ratios.push_back(w.registration.variance_ratio);
+  }
+  return MeanRatio(std::move(ratios));
+}
+
+double Matcher::SurfaceVarianceFactor() const {
+  std::vector<double> ratios;
+  for (const RegisteredCells& work : registered_) {
+    for (const RegisteredSurface& w : work.surfaces) {
       ratios.push_back(w.registration.variance_ratio);
     }
   }
-  if (ratios.size() < kFewestForFactor) return 1.0;
-  std::sort(ratios.begin(), ratios.end());
-  const std::size_t cut = ratios.size() / 20;  // for the mean of the middle nine tenths
-  double sum = 0.0;
-  for (std::size_t k = cut; k < ratios.size() - cut; ++k) sum += ratios[k];
-  return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
+  return MeanRatio(std::move(ratios));
 }
 
 Swath Matcher::MakeSwath(std::size_t strip) const {
@@ -501,10 +542,15 @@ double Matcher::MatchAll(std::size_t most_roots) {
   }
   if (result_.strip_pairs.empty() && MustOverlap()) FailNoOverlap();
   result_.variance_factor = VarianceFactor();
-  for (std::size_t k = 0; k < registered_.size(); ++k) TakeDetermined(k);
+  result_.surface_variance_factor = SurfaceVarianceFactor();
+  for (std::size_t k = 0; k < registered_.size(); ++k) {
+    TakeDetermined(k);
+    TakeSurfaces(k);
+  }
   AlignAll();
   for (StripPairMatch& match : result_.strip_pairs) KeepAgreeing(&match);
   AlignAll();
+  for (StripPairMatch& match : result_.strip_pairs) KeepAgreeingSurfaces(&match);
   return (Boresight() - before_rad).norm();
 }
 
@@ -518,20 +564,37 @@ void Matcher::Finish() {
 void Matcher::TakeDetermined(std::size_t k) {
   StripPairMatch& match = result_.strip_pairs[k];
   const double most_m = kMostSigma_gsd * result_.gsd_m;
-  for (RegisteredCell& w : registered_[k]) {
+  for (RegisteredCell& w : registered_[k].cells) {
     const Eigen::Matrix3d covariance_m2 = w.registration.Covariance(result_.variance_factor);
-    if (std::sqrt(covariance_m2.trace()) > most_m) continue;
+    if (std::sqrt(covariance_m2.trace()) > most_m) {
+      AddSurface(AlongBestDirection(w.pair, covariance_m2), &match);
+      continue;
+    }
     w.pair.pair.covariance_m2 = covariance_m2;
     match.pairs.push_back(w.pair);
   }
   match.registered = match.pairs.size();
 }
 
+void Matcher::TakeSurfaces(std::size_t k) {
+  for (RegisteredSurface& w : registered_[k].surfaces) {
+    w.surface.pair.sigma_m = std::sqrt(w.registration.Variance(result_.surface_variance_factor));
+    AddSurface(w.surface, &result_.strip_pairs[k]);
+  }
+}
+
+void Matcher::AddSurface(MatchedSurface surface, StripPairMatch* match) const {
+  const double most_m = kMostSigma_gsd / std::sqrt(3.0) * result_.gsd_m;
+  if (!TakesSurfaces() || surface.pair.normal_m.z() < kLeastUp || surface.pair.sigma_m > most_m)
+    return;
+  match->surfaces.push_back(std::move(surface));
+}
+
 void Matcher::KeepAgreeing(StripPairMatch* match) const {
   std::vector<PlacedShift> shifts;
   for (const MatchedPair& pair : match->pairs) {
     const Vector3d p_j_m = source_.Position(match->j, pair.pair.t_j_s, pair.pair.u_j_s);
-    shifts.push_back({p_j_m.head<2>(), -Apart(*match, pair), *pair.pair.covariance_m2});
+    shifts.push_back({p_j_m.head<2>(), -Apart(*match, pair.pair), *pair.pair.covariance_m2});
   }
   const Agreement agreement = AgreeWithNeighbours(shifts);
   match->variance_factor = agreement.variance_factor;
@@ -545,12 +608,31 @@ void Matcher::KeepAgreeing(StripPairMatch* match) const {
   match->pairs = std::move(kept);
 }
 
+void Matcher::KeepAgreeingSurfaces(StripPairMatch* match) const {
+  std::vector<PlacedHeight> heights;
+  for (const MatchedSurface& surface : match->surfaces) {
+    const LidarPair& ends = surface.pair.ends;
+    const Vector3d p_j_m = source_.Position(match->j, ends.t_j_s, ends.u_j_s);
+    const double sigma_m = surface.pair.sigma_m;
+    heights.push_back({p_j_m.head<2>(), -SurfacesApart(*match, surface), sigma_m * sigma_m});
+  }
+  const HeightAgreement agreement = AgreeInHeight(heights);
+  match->surface_variance_factor = agreement.variance_factor;
+  std::vector<MatchedSurface> kept;
+  for (std::size_t k = 0; k < heights.size() && kept.size() < options_.most_pairs; ++k) {
+    if (!agreement.agrees[k]) continue;
+    kept.push_back(match->surfaces[k]);
+    kept.back().pair.sigma_m *= std::sqrt(agreement.variance_factor);
+  }
+  match->surfaces = std::move(kept);
+}
+
 void Matcher::AlignAll() {
   std::vector<CoarsePair> pairs;
   for (const StripPairMatch& match : result_.strip_pairs) {
     for (const MatchedPair& pair : match.pairs) {
       pairs.push_back({match.i, match.j, pair.pair.t_i_s, pair.pair.t_j_s, pair.pair.u_i_s,
-                       pair.pair.u_j_s, Apart(match, pair)});
+                       pair.pair.u_j_s, Apart(match, pair.pair)});
     }
   }
   Align(pairs, kToleranceCells * BaseCell());
@@ -558,7 +640,10 @@ void Matcher::AlignAll() {
 
 void Matcher::PlacePairs() {
   for (StripPairMatch& match : result_.strip_pairs) {
-    for (MatchedPair& pair : match.pairs) pair.after_m = Apart(match, pair);
+    for (MatchedPair& pair : match.pairs) pair.after_m = Apart(match, pair.pair);
+    for (MatchedSurface& surface : match.surfaces) {
+      surface.after_m = SurfacesApart(match, surface);
+    }
   }
   AsGiven([&] {
     for (StripPairMatch& match : result_.strip_pairs) {
@@ -566,12 +651,21 @@ void Matcher::PlacePairs() {
         pair.p_i_m = source_.Position(match.i, pair.pair.t_i_s, pair.pair.u_i_s);
         pair.p_j_m = source_.Position(match.j, pair.pair.t_j_s, pair.pair.u_j_s);
       }
+      for (MatchedSurface& surface : match.surfaces) {
+        const LidarPair& ends = surface.pair.ends;
+        surface.p_j_m = source_.Position(match.j, ends.t_j_s, ends.u_j_s);
+        surface.before_m = SurfacesApart(match, surface);
+      }
     }
   });
 }
 
-Vector3d Matcher::Apart(const StripPairMatch& match, const MatchedPair& pair) const {
-  return source_.Position(match.i, pair.pair.t_i_s, pair.pair.u_i_s) -
-         source_.Position(match.j, pair.pair.t_j_s, pair.pair.u_j_s);
+Vector3d Matcher::Apart(const StripPairMatch& match, const LidarPair& pair) const {
+  return source_.Position(match.i, pair.t_i_s, pair.u_i_s) -
+         source_.Position(match.j, pair.t_j_s, pair.u_j_s);
+}
+
+double Matcher::SurfacesApart(const StripPairMatch& match, const MatchedSurface& surface) const {
+  return surface.pair.normal_m.dot(Apart(match, surface.pair.ends));
 }
 }  // namespace dn::matching_internal

@@ -30,6 +30,20 @@ struct RegisteredCell {
   MatchedPair pair;
 };
 
+/// A registered smooth cell of two strips and its pair.
+struct RegisteredSurface {
+  SurfaceRegistration registration;
+  MatchedSurface surface;
+};
+
+/// The registered cells of two strips.
+struct RegisteredCells {
+  std::vector<RegisteredCell> cells;
+  std::vector<RegisteredSurface> surfaces;
+
+  void Append(RegisteredCells more);
+};
+
 /// Pieces of a raster that are compared with another raster.
 struct Pieces {
   int half = 0;         ///< cells on each side of the centre
@@ -63,6 +77,8 @@ class Matcher {
   virtual bool RemovePlantOffset(MatchResult* /*result*/) const { return false; }
   /// Calls `work` with the initial alignment.
   virtual void AsGiven(const std::function<void()>& work) = 0;
+  /// Returns whether smooth cells become surfaces.
+  virtual bool TakesSurfaces() const { return false; }
   /// Returns whether two strips are matched with each other.
   virtual bool Compares(std::size_t /*i*/, std::size_t /*j*/) const { return true; }
   /// Returns whether strips without any overlap are an error.
@@ -118,36 +134,35 @@ class Matcher {
   double KeepShare(std::size_t strip) const;
 
   /// Registers the cells until there are enough pairs.
-  std::vector<RegisteredCell> RegisterRoots(const StripPairMatch& match,
-                                            const std::vector<GroundCell>& roots,
-                                            const std::vector<MatchedPlace>& places) const;
+  RegisteredCells RegisterRoots(const StripPairMatch& match, const std::vector<GroundCell>& roots,
+                                const std::vector<MatchedPlace>& places) const;
 
   void RegisterSome(const StripPairMatch& match, const std::vector<GroundCell>& roots,
-                    const std::vector<MatchedPlace>& places,
-                    std::vector<RegisteredCell>* work) const;
+                    const std::vector<MatchedPlace>& places, RegisteredCells* work) const;
 
-  std::vector<RegisteredCell> RegisterRoot(std::size_t i, const GroundCell& root,
-                                           const Eigen::Vector3d& start_m, const CellPoints& in_a,
-                                           const CellPoints& in_b) const;
+  RegisteredCells RegisterRoot(std::size_t i, const GroundCell& root,
+                               const Eigen::Vector3d& start_m, const CellPoints& in_a,
+                               const CellPoints& in_b) const;
 
   /// Registers every beam of the first strip with a beam of the second one. The difference of their
   /// numbers varies from cell to cell.
-  std::vector<RegisteredCell> RegisterBeams(std::size_t i, const GroundCell& root,
-                                            const Eigen::Vector3d& start_m, const CellPoints& in_a,
-                                            const CellPoints& in_b) const;
+  RegisteredCells RegisterBeams(std::size_t i, const GroundCell& root,
+                                const Eigen::Vector3d& start_m, const CellPoints& in_a,
+                                const CellPoints& in_b) const;
 
   [[noreturn]] void FailWithoutBeams() const;
 
-  std::vector<RegisteredCell> RegisterPoints(std::size_t i, const GroundCell& root,
-                                             const Eigen::Vector3d& start_m, const CellPoints& in_a,
-                                             const CellPoints& in_b) const;
+  RegisteredCells RegisterPoints(std::size_t i, const GroundCell& root,
+                                 const Eigen::Vector3d& start_m, const CellPoints& in_a,
+                                 const CellPoints& in_b) const;
 
-  /// Returns the pair nearest to the centre of the information of a cell.
-  MatchedPair MakePair(std::size_t i, const CellMatch& match, const CellPoints& in_a,
-                       const CellPoints& in_b, const PatchSurface& b) const;
+  /// Returns the pair nearest to a place of strip a, for a shift of a to b.
+  LidarPair MakePair(std::size_t i, const Eigen::Vector2d& at_en_m, const Eigen::Vector3d& shift_m,
+                     const CellPoints& in_a, const CellPoints& in_b, const PatchSurface& b) const;
 
   /// Returns the mean of Registration::variance_ratio, at least 1.
   double VarianceFactor() const;
+  double SurfaceVarianceFactor() const;
 
   Swath MakeSwath(std::size_t strip) const;
 
@@ -157,24 +172,29 @@ class Matcher {
 
   void Finish();
 
-  /// Adds the pairs whose registration is accurate enough.
+  /// Adds the pairs whose registration is accurate enough. A cell whose horizontal shift is too
+  /// uncertain becomes a surface.
   void TakeDetermined(std::size_t k);
+  void TakeSurfaces(std::size_t k);
+  void AddSurface(MatchedSurface surface, StripPairMatch* match) const;
 
   /// Keeps the pairs that agree with their neighbours. The strips must be aligned first; otherwise
   /// the effect of the boresight, which varies with the position, would count as disagreement.
   void KeepAgreeing(StripPairMatch* match) const;
+  void KeepAgreeingSurfaces(StripPairMatch* match) const;
 
   void AlignAll();
 
   /// Sets the positions and differences of the pairs before and after the alignment.
   void PlacePairs();
 
-  Eigen::Vector3d Apart(const StripPairMatch& match, const MatchedPair& pair) const;
+  Eigen::Vector3d Apart(const StripPairMatch& match, const LidarPair& pair) const;
+  double SurfacesApart(const StripPairMatch& match, const MatchedSurface& surface) const;
 
   MatchSource& source_;
   const MatchOptions& options_;
   std::vector<StripSample> samples_;
-  std::vector<std::vector<RegisteredCell>> registered_;  // one per entry of result_.strip_pairs
+  std::vector<RegisteredCells> registered_;  // one per entry of result_.strip_pairs
   MatchResult result_;
 };
 

@@ -93,7 +93,8 @@ void WriteTerrain(const TerrainScenario& terrain, Writer* out) {
   out->Key("trees_per_km2", Number(terrain.trees_per_km2));
   out->Key("roughness_m", Number(terrain.roughness_m));
   out->Key("water_share", Number(terrain.water_share));
-  if (IsDetailed(terrain.kind)) {
+  if (terrain.woods_share > 0.0) out->Key("woods_share", Number(terrain.woods_share));
+  if (HasScene(terrain)) {
     out->Key("cars_per_km2", Number(terrain.cars_per_km2));
     out->Key("conifer_share", Number(terrain.conifer_share));
     out->Key("leaves", terrain.leaves ? "true" : "false");
@@ -165,7 +166,7 @@ void WriteScanner(const LidarScenario& lidar, const std::string& indent, bool de
 }
 
 void WriteLidar(const Scenario& scenario, Writer* out) {
-  const bool detailed = IsDetailed(scenario.terrain.kind);
+  const bool detailed = HasScene(scenario.terrain);
   out->Section("lidar");
   if (scenario.lidar.name.empty()) return WriteScanner(scenario.lidar, "", detailed, out);
   std::vector<LidarScenario> all{scenario.lidar};

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "terrain_objects.h"
@@ -15,6 +16,8 @@ using Eigen::Vector2i;
 
 // The coarsest lattice of Roughness is 8 m; the stand varies eight times as slowly.
 constexpr double kStandScale = 8.0;
+constexpr double kWoodsScale = 25.0;  // woods have a size of some 200 m
+constexpr double kWoodsTreesPerKm2 = 45000.0;
 constexpr double kClearing = -1.0;  // no trees grow where the density is below this
 constexpr double kTreeCube_m = 0.4, kShrubCube_m = 0.15;
 constexpr double kBareShare = 0.25;  // leaf clusters that remain as branches in winter
@@ -33,8 +36,23 @@ std::vector<Species> UsualSpecies(TerrainKind kind) {
     case TerrainKind::kQuarry:
       return {Species::kGardenTree};
     default:
-      return {};
+      return {Species::kForestTree, Species::kShrub};  // of its woods
   }
+}
+
+/// Returns the value that a field of rms 1 exceeds in this share of the ground, from samples.
+double ExceededIn(double share, const Roughness& field) {
+  constexpr int kSamples = 100;  // in each direction
+  constexpr double kSpacing_m = 3.7;
+  if (share >= 1.0) return -std::numeric_limits<double>::infinity();
+  std::vector<double> values;
+  for (int i = 0; i < kSamples; ++i) {
+    for (int j = 0; j < kSamples; ++j) values.push_back(field.At(kSpacing_m * Vector2d(i, j)));
+  }
+  const double last = static_cast<double>(values.size() - 1);
+  const auto at = values.begin() + std::lround((1.0 - share) * last);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 Plant Shrub(CellNumbers* numbers) {
@@ -74,13 +92,18 @@ Plants::Plants(const TerrainScenario& scenario)
     : conifer_share_(scenario.conifer_share),
       leaves_(scenario.leaves),
       vigour_(1.0, MixBits(scenario.seed) ^ 5),
-      density_(1.0, MixBits(scenario.seed) ^ 6) {
+      density_(1.0, MixBits(scenario.seed) ^ 6),
+      woods_(1.0, MixBits(scenario.seed) ^ 7) {
   constexpr double kShrubsPerTree = 2.5;
-  if (scenario.trees_per_km2 == 0.0) return;
+  const double woods_share = IsDetailed(scenario.kind) ? 1.0 : scenario.woods_share;
+  const double trees_per_km2 =
+      IsDetailed(scenario.kind) ? scenario.trees_per_km2 : kWoodsTreesPerKm2;
+  if (trees_per_km2 == 0.0 || woods_share == 0.0) return;
+  woods_above_ = ExceededIn(woods_share, woods_);
   for (const Species species : UsualSpecies(scenario.kind)) {
     PlantLayer layer{species};
     const double share = species == Species::kShrub ? kShrubsPerTree : 1.0;
-    layer.cell_m = PlantSpacing(share * scenario.trees_per_km2);
+    layer.cell_m = PlantSpacing(share * trees_per_km2);
     layer.jitter = species == Species::kFruitTree ? 0.05 : 0.45;
     layer.turn_rad = static_cast<double>(scenario.seed % 180) * 1.3 + 0.2;
     layer.seed = MixBits(MixBits(scenario.seed) + 4 + layers_.size());
@@ -123,14 +146,18 @@ std::optional<Plant> Plants::PlantIn(const PlantLayer& layer, const Vector2i& ce
   const double north = numbers.Next(-layer.jitter, layer.jitter);
   const Vector2d at = cell.cast<double>() + Vector2d::Constant(0.5) + Vector2d(east, north);
   const Vector2d en_m = Eigen::Rotation2Dd(layer.turn_rad) * (layer.cell_m * at);
-  if (layer.species == Species::kForestTree && density_.At(en_m / kStandScale) < kClearing) {
-    return std::nullopt;
-  }
+  const bool forest_tree = layer.species == Species::kForestTree;
+  if (forest_tree && density_.At(en_m / kStandScale) < kClearing) return std::nullopt;
+  if ((forest_tree || layer.species == Species::kShrub) && !InForest(en_m)) return std::nullopt;
   Plant plant = Grow(layer.species, en_m, &numbers);
   if (!leaves_ && layer.species != Species::kForestTree) plant.leaf_share *= kBareShare;
   plant.foot_m.head<2>() = en_m;
   plant.seed = static_cast<std::uint64_t>(numbers.Next() * 0x1.0p53);
   return plant;
+}
+
+bool Plants::InForest(const Vector2d& en_m) const {
+  return std::isinf(woods_above_) || woods_.At(en_m / kWoodsScale) > woods_above_;
 }
 
 void Plants::ForEachNear(const Vector2d& en_m, double radius_m,

@@ -46,11 +46,16 @@ class Plants {
   Plant Grow(Species species, const Eigen::Vector2d& en_m, CellNumbers* numbers) const;
   Plant ForestTree(const Eigen::Vector2d& en_m, CellNumbers* numbers) const;
 
+  /// Returns whether the plants of a forest grow at a place.
+  bool InForest(const Eigen::Vector2d& en_m) const;
+
   std::vector<PlantLayer> layers_;
   double conifer_share_;
   bool leaves_;
   // Smooth variation over the stand (rms 1) of the height of trees, and of their number.
   Roughness vigour_, density_;
+  Roughness woods_;           // a forest covers the places where it is above woods_above_
+  double woods_above_ = 0.0;  // -infinity: everywhere
 };
 
 }  // namespace dn

@@ -163,11 +163,24 @@ Objects UsualObjects(TerrainKind kind) {
   }
 }
 
-/// Reads the keys that only a detailed terrain has.
+/// Returns whether a terrain of this kind may have woods_share.
+bool MayHaveWoods(TerrainKind kind) {
+  return kind == TerrainKind::kMixed || kind == TerrainKind::kNatural ||
+         kind == TerrainKind::kMountain;
+}
+
+/// Reads the keys that only a terrain with plants has.
 void ReadDetails(const YamlValue& s, TerrainScenario* terrain) {
+  terrain->woods_share = ReadNotNegativeOr(s["woods_share"], 0.0);
+  if (terrain->woods_share > 1.0) s["woods_share"].Fail("must be at most 1");
+  if (terrain->woods_share > 0.0 && !MayHaveWoods(terrain->kind)) {
+    s["woods_share"].Fail("is only allowed on a terrain of kind mixed, natural or mountain");
+  }
   for (const char* key : {"cars_per_km2", "conifer_share", "leaves"}) {
-    if (s[key] && !IsDetailed(terrain->kind)) {
-      s[key].Fail("is only allowed on a terrain of kind forest, orchard, town, quarry or fields");
+    if (s[key] && !HasScene(*terrain)) {
+      s[key].Fail(
+          "is only allowed on a terrain of kind forest, orchard, town, quarry or fields, or with "
+          "woods_share");
     }
   }
   terrain->cars_per_km2 = ReadNotNegativeOr(s["cars_per_km2"], UsualObjects(terrain->kind).cars);
@@ -179,9 +192,9 @@ void ReadDetails(const YamlValue& s, TerrainScenario* terrain) {
 /// clouds: true if point clouds are simulated. If only pairs are simulated, the ground is smooth by
 /// default.
 TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
-  ExpectMapOrAbsent(
-      s, {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2", "trees_per_km2",
-          "roughness_m", "water_share", "cars_per_km2", "conifer_share", "leaves", "seed"});
+  ExpectMapOrAbsent(s, {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
+                        "trees_per_km2", "roughness_m", "water_share", "woods_share",
+                        "cars_per_km2", "conifer_share", "leaves", "seed"});
   TerrainScenario terrain;
   if (s["kind"]) terrain.kind = s["kind"].Choice(TerrainWords());
   terrain.relief_m = ReadNotNegativeOr(s["relief_m"], 0.0);
@@ -231,7 +244,7 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
   return gnss;
 }
 
-/// Reads the keys of several returns. detailed: true over a detailed terrain, where several are
+/// Reads the keys of several returns. detailed: true over a terrain with plants, where several are
 /// the default.
 void ReadReturns(const YamlValue& s, bool detailed, LidarScenario* lidar) {
   constexpr long kMostReturns = 5;
@@ -294,7 +307,7 @@ void ReadPattern(const YamlValue& s, LidarScenario* lidar) {
 }
 
 /// `name` is that of a scanner in a list; it is empty without a list. detailed: true over a
-/// detailed terrain.
+/// terrain with plants.
 LidarScenario ReadLidar(const YamlValue& s, const std::string& name, bool detailed) {
   std::vector<std::string> keys{"R_sensor_to_body",
                                 "scan_axis",
@@ -431,8 +444,7 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   scenario.terrain = ReadTerrain(root["terrain"], scenario.strips);
   scenario.imu = ReadImuScenario(root["imu"]);
   scenario.gnss = ReadGnssScenario(root["gnss"]);
-  scenario.lidar =
-      ReadScanners(root["lidar"], IsDetailed(scenario.terrain.kind), &scenario.more_scanners);
+  scenario.lidar = ReadScanners(root["lidar"], HasScene(scenario.terrain), &scenario.more_scanners);
   scenario.pairs =
       ReadPairScenario(root["pairs"], scenario.lidar.gsd_m, !scenario.more_scanners.empty());
   scenario.control = ReadControlScenario(root["control"]);

@@ -58,10 +58,12 @@ Terrain::Terrain(const TerrainScenario& scenario)
     buildings_ = {CellSize(scenario_.buildings_per_km2, smallest_m), MixBits(seed) ^ 1};
     if (town) buildings_.margin_m = Streets::kHalfWidth_m;
   }
-  if (IsDetailed(kind)) {
-    scene_ = std::make_shared<const Scene>(
-        Scene{Plants(scenario_), Streets(scenario_, buildings_.cell_m), MakeLandform(scenario_)});
-  } else if (!flat) {
+  if (HasScene(scenario_)) {
+    scene_ = std::make_shared<const Scene>(Scene{Plants(scenario_),
+                                                 Streets(scenario_, town ? buildings_.cell_m : 0.0),
+                                                 MakeLandform(scenario_)});
+  }
+  if (!IsDetailed(kind) && !flat) {
     trees_ = {CellSize(scenario_.trees_per_km2, kSmallestTreeCell_m), MixBits(seed) ^ 2};
   }
 
@@ -120,6 +122,7 @@ double Terrain::DryGround(const Vector2d& en_m) const {
 bool Terrain::SetOnGround(Plant* plant) const {
   const Vector2d en_m = plant->foot_m.head<2>();
   if (scene_->streets.OnStreet(en_m) || Water(en_m)) return false;
+  if (scenario_.kind == TerrainKind::kMixed && BuiltUp(en_m)) return false;
   if (scene_->landform && scene_->landform->At(en_m) < -kPitDepth_m) return false;
   if (buildings_.cell_m > 0.0) {
     const auto building = BuildingIn(CellAt(en_m, buildings_.cell_m));

@@ -226,6 +226,32 @@ TEST_F(MatchingManyRuns, OppositeStripsAreMatchedFromAnUnknownBoresight) {
   EXPECT_NEAR(match["boresight_used_deg"][2].get<double>(), 0.35, 0.3);
 }
 
+// Smooth fields between the houses have no pairs, but heights.
+TEST_F(MatchingManyRuns, SmoothCellsAreSurfacePairsOfTheFlight) {
+  folder_->Write("opposite.yaml", kOpposite);
+  ASSERT_EQ(RunProgram({"simulate", In("opposite.yaml"), "--out", In("fields")}).exit_code, 0);
+  ASSERT_EQ(RunProgram({"match", In("fields"), "--out", In("fields_matched")}).exit_code, 0);
+  const Json match = Read("fields_matched/match.json");
+  const long surfaces = match["counts"]["surface_pairs"];
+  EXPECT_GT(surfaces, 20);
+  EXPECT_TRUE(fs::exists(In("fields_matched/surfaces/1_2.txt")));
+  EXPECT_TRUE(fs::exists(In("fields_matched/surface_matches/1_2.txt")));
+  const ProgramRun run = RunProgram(
+      {"calibrate", In("fields_matched/flight.matched.yaml"), "--out", In("fields_result")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("surface pairs kept"));
+  const Json result = Read("fields_result/result.json");
+  const Json adjustment = result["adjustment"];
+  EXPECT_EQ(adjustment["surface_pairs"].get<long>() + adjustment["surface_outliers"].get<long>(),
+            surfaces);
+  EXPECT_LT(adjustment["surface_outliers"].get<long>(), 5);
+  const double truth_deg[] = {0.2, 0.03, 0.35};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(result["boresight"]["angles_deg"][i].get<double>(), truth_deg[i],
+                4.0 * result["boresight"]["sigma_deg"][i].get<double>());
+  }
+}
+
 TEST_F(MatchingManyRuns, PlanesAreFoundFromFarOff) {
   const std::string terrain =
       "terrain={kind: built_up, roughness_m: 0.01, relief_m: 40, wavelength_m: 250, "

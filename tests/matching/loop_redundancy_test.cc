@@ -1,6 +1,8 @@
 #include <dn/matching/loop_redundancy.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace dn::matching_test {
 
 /// Adds a pair of strips i and j at a place, with the identity as its covariance.
@@ -41,6 +43,25 @@ TEST(InflateLoops, ThreeStripsAreTwoDifferences) {
   AddPairAt(1, 2, 1.0, 0.0, &result);
   AddPairAt(0, 2, 0.0, 1.0, &result);
   EXPECT_EQ(InflatedVariances(result), (std::vector<double>{1.5, 1.5, 1.5}));
+}
+
+// A surface has the height of a place as a pair does, so that it closes a loop.
+TEST(InflateLoops, SurfacesCountAsPairsDo) {
+  MatchResult result;
+  AddPairAt(0, 1, 0.0, 0.0, &result);
+  AddPairAt(1, 2, 1.0, 0.0, &result);
+  StripPairMatch third;
+  third.i = 0;
+  third.j = 2;
+  MatchedSurface surface;
+  surface.p_j_m = {0.0, 1.0, 0.0};
+  surface.radius_m = 2.0;
+  surface.pair.sigma_m = 0.1;
+  third.surfaces = {surface};
+  result.strip_pairs.push_back(third);
+  EXPECT_EQ(InflatedVariances(result), (std::vector<double>{1.5, 1.5}));
+  InflateLoops(&result);
+  EXPECT_NEAR(result.strip_pairs[2].surfaces[0].pair.sigma_m, 0.1 * std::sqrt(1.5), 1e-12);
 }
 
 TEST(InflateLoops, FourStripsAreThreeDifferences) {

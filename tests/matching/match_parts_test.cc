@@ -250,7 +250,7 @@ TEST(MatchCells, AForestIsDividedIntoCellsWithHonestCovariances) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const auto [a, b] = SeenTwice(forest, seed);
     const std::vector<CellMatch> matches =
-        MatchCells(a, b, kShift_m + Vector3d(0.5, -0.4, 0.2), {kCell, kGsd_m, 3.0});
+        MatchCells(a, b, kShift_m + Vector3d(0.5, -0.4, 0.2), {kCell, kGsd_m, 3.0}).cells;
     EXPECT_GE(matches.size(), 10u);
     for (const CellMatch& match : matches) {
       const Vector3d error_m = match.registration.shift_m - kShift_m;
@@ -268,7 +268,7 @@ TEST(MatchCells, AForestIsDividedIntoCellsWithHonestCovariances) {
 
 TEST(MatchCells, DoNotOverlap) {
   const auto [a, b] = SeenTwice(Forest(), 1);
-  const std::vector<CellMatch> matches = MatchCells(a, b, kShift_m, {kCell, kGsd_m, 3.0});
+  const std::vector<CellMatch> matches = MatchCells(a, b, kShift_m, {kCell, kGsd_m, 3.0}).cells;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const double apart_m =

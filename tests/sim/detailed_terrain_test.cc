@@ -71,6 +71,36 @@ double ReturnsPerPulse(const StripCloud& points) {
   return static_cast<double>(points.size()) / static_cast<double>(pulses);
 }
 
+// In woods the returns of trees are as frequent as in a forest; elsewhere there are none. Class
+// 5 is high vegetation.
+TEST(DetailedTerrain, WoodsCoverTheirShareOfNaturalGround) {
+  const auto share = [&](const std::string& woods) {
+    return Share(Points(DetailedScenario("kind: natural" + woods, ", noise_share: 0"), 0), {5});
+  };
+  const double forest = share(", woods_share: 1"), some = share(", woods_share: 0.4");
+  EXPECT_GT(forest, 0.4);
+  EXPECT_GT(some, 0.15 * forest);
+  EXPECT_LT(some, 0.75 * forest);
+  EXPECT_EQ(share(", woods_share: 0"), 0.0);
+}
+
+// Only point clouds see woods: the ground, and with it the pairs, stay the same.
+TEST(DetailedTerrain, WoodsDoNotChangeTheGround) {
+  TerrainScenario scenario;
+  scenario.kind = TerrainKind::kMixed;
+  scenario.relief_m = 20.0;
+  scenario.wavelength_m = 300.0;
+  scenario.buildings_per_km2 = 300.0;
+  const Terrain bare(scenario);
+  scenario.woods_share = 0.5;
+  const Terrain wooded(scenario);
+  Random random(1, "places");
+  for (int k = 0; k < 1000; ++k) {
+    const Eigen::Vector2d at_m(random.Uniform(-2000.0, 2000.0), random.Uniform(-2000.0, 2000.0));
+    EXPECT_EQ(bare.Surface(at_m), wooded.Surface(at_m));
+  }
+}
+
 TEST(DetailedTerrain, AForestGivesAsManyReturnsAsAMeasuredOne) {
   const StripCloud points = Points(DetailedScenario("kind: forest", ", noise_share: 0"), 0);
   EXPECT_GT(points.size(), 30000u);

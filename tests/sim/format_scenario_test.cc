@@ -99,6 +99,16 @@ TEST(FormatScenario, EveryKeyIsReadBackToTheSameFlight) {
   ExpectSameFlight(FlyPlain(scenario).flight, FlyPlain(again).flight);
 }
 
+TEST(FormatScenario, WoodsAreReadBack) {
+  Scenario scenario = OddScenario();
+  scenario.terrain.kind = TerrainKind::kNatural;
+  scenario.terrain.woods_share = 0.35;
+  scenario.terrain.leaves = false;
+  const Scenario again = ParseScenario(FormatScenario(scenario), "again.yaml");
+  EXPECT_EQ(again.terrain.woods_share, 0.35);
+  EXPECT_FALSE(again.terrain.leaves);
+}
+
 TEST(FormatScenario, KeysOfADetailedTerrainAreReadBack) {
   Scenario scenario = OddScenario();
   scenario.terrain.kind = TerrainKind::kForest;

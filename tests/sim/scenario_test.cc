@@ -126,6 +126,10 @@ TEST(ParseScenario, ReportsErrorAndLocation) {
               HasSubstr("conifer_share: must be at most 1"));
   EXPECT_THAT(Fault(kGood + "terrain: {kind: mixed, leaves: false}\n"),
               HasSubstr("only allowed on a terrain of kind forest"));
+  EXPECT_THAT(Fault(kGood + "terrain: {kind: town, woods_share: 0.2}\n"),
+              HasSubstr("woods_share: is only allowed on a terrain of kind mixed"));
+  EXPECT_THAT(Fault(kGood + "terrain: {kind: natural, woods_share: 1.2}\n"),
+              HasSubstr("woods_share: must be at most 1"));
   EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, max_returns: 6")),
               HasSubstr("max_returns: must be at most 5"));
   EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, noise_share: 0.01")),

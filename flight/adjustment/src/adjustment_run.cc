@@ -101,6 +101,7 @@ void AdjustmentRun::SetGnssLoss(const Loss& loss) {
 
 void AdjustmentRun::SetPairLoss(const Loss& loss) {
   for (const auto& edge : network().pairs().edges()) network().net().SetLoss(edge.id, loss);
+  for (const auto& edge : network().surfaces().edges()) network().net().SetLoss(edge.id, loss);
 }
 
 void AdjustmentRun::SwapNetworkIn(std::unique_ptr<FlightNetwork> network) {

@@ -98,6 +98,9 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
                         static_cast<long>(adjustment.gnss_rejected.size());
   figures.outliers = adjustment.outliers;
   figures.correspondences = static_cast<long>(network.pairs().edges().size()) - adjustment.outliers;
+  figures.surface_outliers = adjustment.surface_outliers;
+  figures.surface_pairs =
+      static_cast<long>(network.surfaces().points().size()) - adjustment.surface_outliers;
   return figures;
 }
 

@@ -87,6 +87,9 @@ void RemakeWholeNetwork(AdjustmentRun& run) {
     network->AddControl(*run.flight().control);
   }
   if (run.options().with_pairs && run.flight().ties) network->AddTies(*run.flight().ties);
+  if (run.options().with_pairs && run.flight().surfaces) {
+    network->AddSurfaces(*run.flight().surfaces);
+  }
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);
 }

@@ -1,4 +1,5 @@
 #include <dn/adjustment/stages.h>
+#include <dn/builder/use_surface.h>
 #include <dn/builder/use_survey.h>
 #include <dn/files/pair_clock.h>
 #include <dn/files/scanners.h>
@@ -46,6 +47,28 @@ void ExpectScannerPairs(const FlightNetwork& network) {
   }
 }
 
+/// Leaves out surface pairs whose distance along the normal is larger than that of good ones.
+void RejectSurfaces(AdjustmentRun& run) {
+  FlightNetwork& network = run.network();
+  const std::vector<ControlNode>& surfaces = network.surfaces().points();
+  if (surfaces.empty()) return;
+  std::vector<double> norm2;
+  for (const ControlNode& surface : surfaces) {
+    norm2.push_back(0.0);
+    for (const std::size_t k : surface.edges) {
+      Eigen::VectorXd r;
+      network.net().EvaluateFactor(network.surfaces().edges()[k].id, &r);
+      norm2.back() += r.squaredNorm();
+    }
+  }
+  const double scale2 = RobustScalarVariance(norm2);
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    if (norm2[k] <= kOutlierScalar * kOutlierScalar * scale2) continue;
+    UseSurface(surfaces[k], false, &network);
+    ++run.result().surface_outliers;
+  }
+}
+
 }  // namespace
 
 void AddPairs(AdjustmentRun& run) {
@@ -62,6 +85,7 @@ void AddPairs(AdjustmentRun& run) {
   ExpectScannerPairs(run.network());
   run.result().residual_initial_m = run.MeanPairDifference();
   if (run.flight().ties) run.network().AddTies(*run.flight().ties);
+  if (run.flight().surfaces) run.network().AddSurfaces(*run.flight().surfaces);
   if (!run.flight().control) return;
   run.network().AddControl(*run.flight().control);
   for (const ControlNode& point : run.network().control().points()) {
@@ -99,6 +123,7 @@ void RejectPairs(AdjustmentRun& run) {
     net.SetActive(in_use[k], false);
     ++run.result().outliers;
   }
+  RejectSurfaces(run);
 }
 
 }  // namespace dn

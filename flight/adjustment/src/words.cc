@@ -35,6 +35,9 @@ bool StartsWith(const std::string& text, const char* prefix) { return text.rfind
 /// Returns the key or the file that states too small a noise for a group.
 std::string LargerNoise(const std::string& group) {
   if (StartsWith(group, "lidar p2p")) return "lidar.sigma_p_m is too small";
+  if (StartsWith(group, "lidar surface")) {
+    return "the sigmas of the surface pairs are too small (lidar.surface_pairs)";
+  }
   if (StartsWith(group, "gnss error")) return "the sigmas of gnss.processes are too small";
   if (StartsWith(group, "gnss velocity")) {
     return "the sigmas of gnss.file are too small (gnss.velocity_sigma_scale)";
@@ -56,6 +59,10 @@ std::string SharedErrorCause(const CommonErrorCheck& common) {
   if (StartsWith(common.group, "lidar p2p")) {
     return "neighbouring pairs are not independent: thin them (lidar.pairs), or check the "
            "matching";
+  }
+  if (StartsWith(common.group, "lidar surface")) {
+    return "strips see smooth ground at different heights: check the ranges, or leave out "
+           "lidar.surface_pairs";
   }
   if (StartsWith(common.group, "gnss")) {
     return "the GNSS errors are time-correlated (gnss_correlated_noise): state them under "

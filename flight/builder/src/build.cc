@@ -54,6 +54,7 @@ FlightNetwork Build(const Flight& flight, const NetworkDesign& design,
   if (HasPairs(flight)) network.AddPairs(flight.pairs->pairs);
   if (flight.control) network.AddControl(*flight.control);
   if (flight.ties) network.AddTies(*flight.ties);
+  if (flight.surfaces) network.AddSurfaces(*flight.surfaces);
   return network;
 }
 

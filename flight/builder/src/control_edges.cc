@@ -34,6 +34,19 @@ Directions DeterminedDirections(const LocalFrame& frame, const ControlPoint& poi
   return Eigen::Matrix3d::Identity();
 }
 
+/// Returns the first word of the names of the unknowns.
+std::string KindWord(ControlEdges::Kind kind) {
+  switch (kind) {
+    case ControlEdges::Kind::kControl:
+      return "control";
+    case ControlEdges::Kind::kTies:
+      return "tie";
+    case ControlEdges::Kind::kSurfaces:
+      return "surface";
+  }
+  return "control";
+}
+
 double SurveySigma(const ControlPoint& point, const Eigen::Vector3d& direction) {
   return point.plane ? point.plane->sigma_m
                      : std::sqrt(direction.dot(point.covariance_m2 * direction));
@@ -81,7 +94,7 @@ void ControlEdges::AddPoint(std::size_t index, double margin_s,
   for (std::size_t k = 0; k < point.returns.size(); ++k) {
     if (const auto edge = Attach(index, k, margin_s)) found.push_back(*edge);
   }
-  if (found.empty()) return;
+  if (found.size() < (kind_ == Kind::kSurfaces ? 2U : 1U)) return;
   ControlNode node;
   node.point = index;
   node.directions = DeterminedDirections(context_.flight.frame, point);
@@ -99,11 +112,11 @@ void ControlEdges::AddPoint(std::size_t index, double margin_s,
     points_.back().edges.push_back(edges_.size());
     edges_.push_back(edge);
   }
-  if (kind_ == Kind::kTies) MoveToReturn(points_.back());
+  if (kind_ != Kind::kControl) MoveToReturn(points_.back());
 }
 
 void ControlEdges::AddDeviation(const ControlPoint& point, ControlNode* node) {
-  const std::string kind = kind_ == Kind::kControl ? "control" : "tie";
+  const std::string kind = KindWord(kind_);
   const double t_s = point.returns.front().t_s;
   if (node->directions.cols() == 1) {
     node->deviation =
@@ -131,19 +144,26 @@ void ControlEdges::AddSurvey(const ControlPoint& point, ControlNode* node) {
   net_.SetActive(node->survey, !point.is_check);
 }
 
-/// Gives a tie point the position of its return at the present trajectory and calibration.
+/// Gives a point without survey the position of its first return at the present trajectory and
+/// calibration.
 void ControlEdges::MoveToReturn(const ControlNode& node) {
   const ControlEdge& edge = edges_[node.edges.front()];
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
   net_.EvaluateFactor(edge.id, &r, &J);
-  constexpr std::size_t kDeviation = 6;  // block of PointToControl, its Jacobian is -W
-  net_.SetValue(Block<Vec<3>>{node.deviation}, Eigen::Vector3d(-J[kDeviation].inverse() * r));
+  constexpr std::size_t kDeviation = 6;  // block of PointToControl, its Jacobian is -W E
+  const Eigen::VectorXd deviation_m = -J[kDeviation].inverse() * r;
+  if (deviation_m.size() == 1) {
+    net_.SetValue(Block<Vec<1>>{node.deviation}, Eigen::Matrix<double, 1, 1>(deviation_m));
+  } else {
+    net_.SetValue(Block<Vec<3>>{node.deviation}, Eigen::Vector3d(deviation_m));
+  }
 }
 
 const FactorGroup& ControlEdges::ReturnGroup(const ControlPoint& point,
                                              const ControlReturn& one) const {
   if (kind_ == Kind::kTies) return builder_internal::TiePointGroup();
+  if (kind_ == Kind::kSurfaces) return builder_internal::SurfaceGroup();
   return builder_internal::ControlReturnGroup(Normal(point, one).has_value(), !point.is_check);
 }
 

@@ -63,6 +63,11 @@ const FactorGroup& TiePointGroup() {
   return group;
 }
 
+const FactorGroup& SurfaceGroup() {
+  static const FactorGroup group{"lidar surface", {{"normal"}}};
+  return group;
+}
+
 const FactorGroup& BiasProcessGroup(bool gyro) {
   static const FactorGroup gyro_group = BiasProcess("gyro"), accel_group = BiasProcess("accel");
   return gyro ? gyro_group : accel_group;

@@ -15,6 +15,7 @@ const FactorGroup& ControlGroup(bool plane);
 const FactorGroup& ControlReturnGroup(bool plane, bool used);
 /// The returns on tie points are no measurements for the tests of the fit.
 const FactorGroup& TiePointGroup();
+const FactorGroup& SurfaceGroup();
 const FactorGroup& BiasProcessGroup(bool gyro);
 const FactorGroup& GnssErrorGroup();
 const FactorGroup& PriorGroup();

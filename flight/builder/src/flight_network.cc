@@ -32,7 +32,8 @@ FlightNetwork::Parts::Parts(const Flight& flight, const std::vector<double>& nod
       gnss(context),
       pairs(context, inertial),
       control(context, inertial, &net, ControlEdges::Kind::kControl),
-      ties(context, inertial, &net, ControlEdges::Kind::kTies) {}
+      ties(context, inertial, &net, ControlEdges::Kind::kTies),
+      surfaces(context, inertial, &net, ControlEdges::Kind::kSurfaces) {}
 
 FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                              const InitialStates& initial, const FlightNetworkOptions& options)
@@ -53,6 +54,7 @@ void FlightNetwork::Repreintegrate() {
   parts_->pairs.Repreintegrate(now);
   parts_->control.Repreintegrate(now);
   parts_->ties.Repreintegrate(now);
+  parts_->surfaces.Repreintegrate(now);
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {

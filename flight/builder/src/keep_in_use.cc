@@ -1,4 +1,5 @@
 #include <dn/builder/keep_in_use.h>
+#include <dn/builder/use_surface.h>
 #include <dn/builder/use_survey.h>
 
 #include <cstddef>
@@ -43,6 +44,19 @@ void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
   }
 }
 
+/// Activates exactly the surface pairs that are active in the other network. Both networks must
+/// have those of the same flight.
+void KeepSurfaces(const FlightNetwork& other, FlightNetwork* network) {
+  std::map<std::size_t, bool> active;
+  for (const ControlNode& surface : other.surfaces().points()) {
+    active[surface.point] = IsSurfaceInUse(surface, other);
+  }
+  for (const ControlNode& surface : network->surfaces().points()) {
+    const auto found = active.find(surface.point);
+    UseSurface(surface, found != active.end() && found->second, network);
+  }
+}
+
 /// Activates exactly the surveys of control points that are active in the other network.
 void KeepControl(const FlightNetwork& other, FlightNetwork* network) {
   std::map<std::size_t, FactorId> theirs;
@@ -59,6 +73,7 @@ void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
   KeepGnss(other, network);
   KeepPairs(other, network);
   KeepControl(other, network);
+  KeepSurfaces(other, network);
 }
 
 }  // namespace dn

@@ -57,6 +57,7 @@ class FolderReader {
     if (gnss_) flight_.gnss = ToMap(*gnss_, flight_.frame);
     if (needs_.control && HasControl(flight_.config)) ReadControlPart();
     if (needs_.ties && !flight_.config.ties.empty()) ReadTiesPart();
+    if (needs_.pairs) ReadSurfacesPart();
     return std::move(flight_);
   }
 
@@ -408,6 +409,32 @@ class FolderReader {
     flight_.counts["tie points"] = inside;
     Count("tie points outside the IMU data", static_cast<long>(ties.points.points.size()) - inside);
     flight_.ties = std::move(ties);
+  }
+
+  void ReadSurfacesPart() {
+    ControlData surfaces = ReadSurfaces(flight_.config);
+    if (surfaces.points.empty()) return;
+    std::vector<CoveredTime> coverages;
+    if (const auto& span = flight_.config.time_span_s) {
+      coverages.push_back({"time_span_s", span->x(), span->y(), {}});
+    }
+    if (flight_.imu) coverages.push_back(files_internal::Cover(*flight_.imu));
+    for (const CoveredTime& covered : coverages) {
+      const auto is_outside = [&](ControlReturn& one) {
+        one.t_s = files_internal::AlignWeek(one.t_s, covered);
+        return !covered.Contains(one.t_s);
+      };
+      const auto dropped = std::erase_if(surfaces.points, [&](ControlPoint& plane) {
+        return std::ranges::any_of(plane.returns, is_outside);
+      });
+      Count("surface pairs outside " + covered.what, static_cast<long>(dropped));
+    }
+    if (surfaces.points.empty()) {
+      throw InvalidInput("no surface pair lies inside the data of the flight",
+                         FileLocation{surfaces.files.front().string(), 0, 0});
+    }
+    flight_.counts["surface pairs"] = static_cast<long>(surfaces.points.size());
+    flight_.surfaces = std::move(surfaces);
   }
 
   /// Returns positions of the flight in map: GNSS epochs, or else points of the trajectory.

@@ -176,6 +176,7 @@ std::string BeamsText(const BeamConfig& beams) {
 /// Writes the keys of a scanner at a level.
 void WriteScanner(const LidarConfig& lidar, int level, Writer& out) {
   out.Key(level, "p2p", NameList(lidar.p2p));
+  if (!lidar.surface_pairs.empty()) out.Key(level, "surface_pairs", NameList(lidar.surface_pairs));
   out.Key(level, "time_offset_s", Number(lidar.time_offset_s));
   out.Key(level, "pairs", Selection(lidar.pairs));
   out.Key(level, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));

@@ -136,7 +136,7 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const s
                                 "nadir_axis",  "georeferenced_with",
                                 "gsd_m",       "sigma_p_m",
                                 "robust",      "beams"};
-  if (!name.empty()) keys.emplace_back("name");
+  keys.emplace_back(name.empty() ? "surface_pairs" : "name");
   section.ExpectMap(keys);
   const auto to_frd = [&](const Eigen::Vector3d& v) { return body_is_flu ? FlipBody(v) : v; };
   LidarConfig lidar;
@@ -164,6 +164,10 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu, const s
   ReadPairNoise(section, lidar);
   if (section["robust"]) lidar.robust = section["robust"].Choice(RobustWords());
   if (section["beams"]) lidar.beams = ReadBeams(section["beams"]);
+  if (const YamlValue files = section["surface_pairs"]) {
+    lidar.surface_pairs = ReadPairPatterns(files, true);
+    if (lidar.beams && !lidar.surface_pairs.empty()) files.Fail("needs a scanner with one beam");
+  }
   return lidar;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/lidar/pairs.h>
+#include <dn/lidar/surface_pairs.h>
 #include <dn/lidar/swath.h>
 #include <dn/matching/match_source.h>
 
@@ -54,6 +55,16 @@ struct MatchedPair {
   Eigen::Vector3d before_m() const { return p_i_m - p_j_m; }
 };
 
+/// Points of both strips on one smooth cell of the ground, whose horizontal shift is not known. The
+/// point of strip j is a measured one, as in MatchedPair.
+struct MatchedSurface {
+  SurfacePair pair;
+  Eigen::Vector3d p_j_m = Eigen::Vector3d::Zero();  ///< position with the initial alignment
+  /// n^T (p_i - p_j) with the initial alignment, and with that of all pairs.
+  double before_m = 0.0, after_m = 0.0;
+  double radius_m = 0.0;  ///< half the side of the cell
+};
+
 /// The pairs of two strips and their number after each stage.
 struct StripPairMatch {
   std::size_t i = 0, j = 0;    ///< indices of the strips
@@ -64,6 +75,9 @@ struct StripPairMatch {
   /// Variance inflation (>= 1) that makes neighbouring matches consistent.
   double variance_factor = 1.0;
   std::vector<MatchedPair> pairs;  ///< pairs that agree with their neighbours
+  /// Variance inflation (>= 1) that makes neighbouring surfaces consistent.
+  double surface_variance_factor = 1.0;
+  std::vector<MatchedSurface> surfaces;  ///< those that agree with their neighbours
 };
 
 /// Apparent range offset of plants: two strips see a plant from different sides, and their returns
@@ -94,6 +108,7 @@ struct MatchResult {
   /// Variance inflation (>= 1) of all covariances: the variance from the scatter within patches,
   /// divided by the variance for independent distances.
   double variance_factor = 1.0;
+  double surface_variance_factor = 1.0;  ///< the same, of the surfaces
   /// For a flight with pairs. Their positions are corrected for it.
   std::optional<PlantRangeOffset> plant_offset = {};
 
@@ -109,7 +124,8 @@ struct MatchResult {
 ///    search radius is then reduced, down to 18 GSD.
 /// 2. A raster search at places 48 GSD apart.
 /// 3. The points themselves: registration of ground cells in both directions, with its covariance.
-///    Cells of 96 GSD are divided into quarters as long as the quarters are accurate enough.
+///    Cells of 96 GSD are divided into quarters as long as the quarters are accurate enough. Smooth
+///    cells, whose horizontal shift is not known, become surfaces, for a scanner with one beam.
 /// 4. Matches that contradict their neighbours are left out.
 /// 5. The range offset of plants is estimated from all pairs, with a prior of half a GSD, and the
 ///    pairs are corrected for it. Their covariances contain its sigma.

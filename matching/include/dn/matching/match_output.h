@@ -37,4 +37,9 @@ Json MatchJson(const std::string& name, const MatchResult& result, const MatchSo
 /// difference p_i - p_j before and after, its sigmas, and the radius of the patches.
 std::string FormatMatches(const StripPairMatch& match);
 
+/// Returns one line per surface pair, in s and m. A line has t_i, t_j, p_j and the normal (east,
+/// north, up), the distance along the normal i - j before and after, its sigma, and the radius of
+/// the cell.
+std::string FormatSurfaceMatches(const StripPairMatch& match);
+
 }  // namespace dn

@@ -88,11 +88,17 @@ struct TerrainScenario {
   double trees_per_km2 = 0.0;
   double roughness_m = 0.0;    ///< rms of the relief of a few metres and less (Roughness)
   double water_share = 0.0;    ///< fraction of the ground that is water: the lowest part of it
+  double woods_share = 0.0;    ///< fraction of mixed, natural or mountain ground with forest
   double cars_per_km2 = 0.0;   ///< in a town
   double conifer_share = 0.5;  ///< fraction of the trees of a forest that are conifers
   bool leaves = true;          ///< false: deciduous plants of a detailed terrain are bare
   std::uint64_t seed = 1;
 };
+
+/// Returns whether rays meet plants that let light through, or cars.
+inline bool HasScene(const TerrainScenario& terrain) {
+  return IsDetailed(terrain.kind) || terrain.woods_share > 0.0;
+}
 
 /// Inertial sensor.
 struct ImuScenario {

@@ -96,7 +96,8 @@ struct Adjustment {
   std::vector<StageSummary> stages;
   int iterations = 0;  ///< sum over all stages
   bool converged = false;
-  long outliers = 0;  ///< number of rejected pairs
+  long outliers = 0;          ///< number of rejected pairs
+  long surface_outliers = 0;  ///< number of rejected surface pairs
   /// GNSS epochs whose position or velocity was rejected because it contradicts all other data;
   /// indices into Flight::gnss, in time order.
   std::vector<std::size_t> gnss_rejected;

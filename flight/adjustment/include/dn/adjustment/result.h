@@ -60,6 +60,8 @@ struct AdjustmentFigures {
   long gnss_epochs = 0;      ///< number kept
   long correspondences = 0;  ///< number kept
   long outliers = 0;
+  long surface_pairs = 0;  ///< number kept
+  long surface_outliers = 0;
 };
 
 /// Trajectory of an adjusted flight: posterior sigmas, biases and statistics.

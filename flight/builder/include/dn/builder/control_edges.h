@@ -29,28 +29,31 @@ struct ControlNode {
   /// Deviation of the true point from the surveyed one along `directions`, m.
   BlockId deviation = -1;
   Eigen::Matrix<double, 3, Eigen::Dynamic> directions;  ///< columns, map axes
-  /// The accuracy of the survey; not active for checks, and -1 for tie points.
+  /// The accuracy of the survey; not active for checks, and -1 without a survey.
   FactorId survey = -1;
   std::vector<std::size_t> edges;  ///< indices into ControlEdges::edges
 };
 
-/// The edges of laser returns on control points and planes (PointToControl), or on tie points,
-/// which have no survey. Each return is attached to the node before its epoch.
+/// The edges of laser returns on control points and planes (PointToControl), on tie points, or on
+/// the planes of surface pairs. Tie points and surfaces have no survey: their position is an
+/// unknown without a prior. Each return is attached to the node before its epoch.
 ///
 /// Block names: "control/<name>" for the deviation of a point, "control_datum_shift". Factor
 /// groups: "control" and "control plane" for the survey, "lidar control" and "lidar control plane"
 /// for the returns, "withheld control" for those on checks. A tie point is "tie/<name>", its
-/// position in map, and its returns are of the group "tie point".
+/// position in map, and its returns are of the group "tie point". The plane of a surface pair is
+/// "surface/<name>", its distance from the origin of map, and its returns are of the group "lidar
+/// surface".
 class ControlEdges {
  public:
-  enum class Kind { kControl, kTies };
+  enum class Kind { kControl, kTies, kSurfaces };
 
   ControlEdges(const EdgeContext& context, const InertialEdges& inertial, Network* net, Kind kind)
       : context_(context), inertial_(inertial), net_(*net), kind_(kind) {}
 
   /// Adds the points that have a laser return. A return with an IMU gap between it and its node is
-  /// left out, and so is a point without any return. A second call adds the points that have got
-  /// returns since. `control` must outlive the object.
+  /// left out. So is a point without any return, or a surface without both. A second call adds the
+  /// points that have got returns since. `control` must outlive the object.
   void Add(const ControlData& control);
 
   const std::vector<ControlEdge>& edges() const { return edges_; }

@@ -76,6 +76,10 @@ class FlightNetwork {
   /// good, as AddPairs. They do not change the other unknowns.
   void AddTies(const TieData& ties) { parts_->ties.Add(ties.points); }
 
+  /// Adds the surface pairs, which must outlive the network: planes of unknown position with two
+  /// returns each. Call it with a trajectory that is already good, as AddPairs.
+  void AddSurfaces(const ControlData& surfaces) { parts_->surfaces.Add(surfaces); }
+
   /// Makes the factors of all edges again at the present biases and calibration. Factors replaced
   /// by the caller (Network::ReplaceFactor) stay unchanged.
   void Repreintegrate();
@@ -134,6 +138,7 @@ class FlightNetwork {
   const PairEdges& pairs() const { return parts_->pairs; }
   const ControlEdges& control() const { return parts_->control; }
   const ControlEdges& ties() const { return parts_->ties; }
+  const ControlEdges& surfaces() const { return parts_->surfaces; }
 
  private:
   /// The parts refer to each other, so that they must not move.
@@ -149,7 +154,7 @@ class FlightNetwork {
     InertialEdges inertial;
     GnssEdges gnss;
     PairEdges pairs;
-    ControlEdges control, ties;
+    ControlEdges control, ties, surfaces;
   };
 
   std::function<PairModel(FlightNetwork&)> make_pair_model_;

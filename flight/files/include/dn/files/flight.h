@@ -3,6 +3,7 @@
 #include <dn/files/control.h>
 #include <dn/files/flight_config.h>
 #include <dn/files/map_gnss.h>
+#include <dn/files/surfaces.h>
 #include <dn/files/ties.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/imu_data.h>
@@ -41,6 +42,9 @@ struct Flight {
   std::optional<PairData> pairs;
   /// The strips found from all pairs before the selection (FindStrips).
   std::vector<StripInterval> pair_strips;
+  /// Surface pairs as planes of unknown position, each with its two returns (ReadSurfaces). Those
+  /// outside the IMU data or time_span_s, or in gaps, are left out.
+  std::optional<ControlData> surfaces;
   std::optional<ControlData> control;  ///< without returns in gaps of the IMU data
   std::optional<TieData> ties;         ///< without returns outside the IMU data or in their gaps
   std::optional<Trajectory> trajectory;

@@ -76,6 +76,7 @@ struct BeamConfig {
 struct LidarConfig {
   std::string name;  ///< name of the scanner in a list; empty without a list
   std::vector<std::string> p2p{"LiDAR_p2p.txt"};
+  std::vector<std::string> surface_pairs;  ///< glob patterns of the files of surface pairs
   double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value; removed on reading
   PairSelection pairs;
   Mounting mounting;  ///< in FRD; the boresight is the initial value
