@@ -92,12 +92,12 @@ void MatchFlightCommand(const MatchCommand& command, Run& run) {
 }
 
 std::string FormatPositions(const MatchResult& result, const BareMatchSource& source) {
-  std::string text = "# t_i [s], t_j [s], p_i (3), p_j (3) [m]\n";
+  std::string text = "# t_i [s], t_j [s], p_i (3), p_j (3), as in the strips\n";
   for (const StripPairMatch& match : result.strip_pairs) {
     for (const MatchedPair& pair : match.pairs) {
       text += FormatDouble(pair.pair.t_i_s) + ", " + FormatDouble(pair.pair.t_j_s);
       for (const Vector3d& p_m : {pair.pair.u_i_s, pair.pair.u_j_s}) {
-        const Vector3d p_c = p_m + source.origin_c_m();
+        const Vector3d p_c = source.ToFile(p_m);
         for (int i = 0; i < 3; ++i) text += fmt::format(", {:.4f}", p_c[i]);
       }
       text += "\n";

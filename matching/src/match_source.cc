@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/geo/point_crs.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/matching/match_source.h>
 #include <dn/rotation.h>
@@ -38,16 +39,24 @@ Eigen::Isometry3d FromTo(const LocalFrame& from, const LocalFrame& to) {
   return T;
 }
 
-/// Throws InvalidInput if the points are not in metres. Without a trajectory, no coordinate system
-/// converts them.
-void ExpectMetres(const MatchStrip& strip) {
-  for (const fs::path& file : strip.files) {
-    if (OpenStrip(file)->crs().in_metres) continue;
-    throw InvalidInput(
-        "the points are in feet, by the coordinate system in the header; match them as strips of a "
-        "flight with a trajectory, or convert them to metres",
-        {file.string()});
+/// Returns metres per unit of the coordinates of all strips, by the systems in their headers.
+/// Throws InvalidInput if two files have different units.
+Vector3d FindUnits(const std::vector<MatchStrip>& strips) {
+  std::optional<Vector3d> unit_m;
+  for (const MatchStrip& strip : strips) {
+    for (const fs::path& file : strip.files) {
+      const StripCrs crs = OpenStrip(file)->crs();
+      const Vector3d own_m = crs.in_metres ? Vector3d(Vector3d::Ones()) : CrsUnitsM(crs.name);
+      if (unit_m && own_m != *unit_m) {
+        throw InvalidInput(
+            "the coordinates have other units than those of the first strip, by the coordinate "
+            "systems in the headers; convert the strips to the same system",
+            {file.string()});
+      }
+      unit_m = own_m;
+    }
   }
+  return unit_m.value_or(Vector3d::Ones());
 }
 
 }  // namespace
@@ -153,10 +162,10 @@ BareMatchSource::BareMatchSource(std::vector<MatchStrip> strips, PointFilter fil
     : strips_(std::move(strips)),
       filter_(std::move(filter)),
       shifts_m_(strips_.size(), Vector3d::Zero()) {
-  for (const MatchStrip& strip : strips_) ExpectMetres(strip);
+  unit_m_ = FindUnits(strips_);
   StripCloud points;
   if (!strips_.empty() && OpenStrip(strips_.front().files.front())->Next(&points)) {
-    origin_c_m_ = points.p_c.front().array().round();
+    origin_c_ = points.p_c.front().array().round();
   }
 }
 
@@ -174,7 +183,8 @@ StripCounts BareMatchSource::Read(std::size_t strip,
         if (const char* reason = DropReason(filter_, points, i)) {
           ++counts.dropped[reason];
         } else {
-          kept.Add(points.t_s.empty() ? 0.0 : points.t_s[i], points.p_c[i] - origin_c_m_);
+          kept.Add(points.t_s.empty() ? 0.0 : points.t_s[i],
+                   (points.p_c[i] - origin_c_).cwiseProduct(unit_m_));
           if (!points.beam.empty()) kept.beam.push_back(points.beam[i]);
         }
       }

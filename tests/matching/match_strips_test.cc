@@ -206,14 +206,14 @@ std::pair<std::vector<double>, StripCounts> UsedHeights(const std::filesystem::p
   const BareMatchSource source(FindMatchStrips({file}), filter);
   std::vector<double> heights_m;
   const StripCounts counts = source.Read(0, [&](const RawPoints& points) {
-    for (const Vector3d& p_m : points.x) heights_m.push_back(p_m.z() + source.origin_c_m().z());
+    for (const Vector3d& p_m : points.x) heights_m.push_back(source.ToFile(p_m).z());
   });
   return {heights_m, counts};
 }
 
-TEST_F(BareStrips, PointsInFeetAreRefused) {
+TEST_F(BareStrips, PointsInFeetAreConverted) {
   testing::LasBytes las;
-  las.points.resize(2);
+  las.points = {{0, 0, 0, 1.0, 0, 1, 1, "", 1, 2}, {10000, 0, 20000, 2.0, 0, 1, 1, "", 1, 2}};
   las.vlrs = {{"LASF_Projection", 2112,
                R"(PROJCS["x",GEOGCS["NAD83",DATUM["x",SPHEROID["GRS 1980",6378137,298.257222101]],)"
                R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],)"
@@ -222,8 +222,23 @@ TEST_F(BareStrips, PointsInFeetAreRefused) {
                R"(PARAMETER["false_easting",1640416.67],PARAMETER["false_northing",0],)"
                R"(UNIT["US survey foot",0.3048006096012192]])"}};
   folder_.Write("1.las", las.Build());
-  testing::ExpectInvalidIn([&] { BareMatchSource(FindMatchStrips({folder_.path() / "1.las"})); },
-                           "are in feet", "1.las");
+  const BareMatchSource source(FindMatchStrips({folder_.path() / "1.las"}));
+  std::vector<Vector3d> p_m;
+  source.Read(0, [&](const RawPoints& points) { p_m = points.x; });
+  ASSERT_EQ(p_m.size(), 2u);
+  constexpr double kFootM = 0.3048006096012192;
+  const Vector3d in_file = source.ToFile(p_m[1]) - source.ToFile(p_m[0]);
+  EXPECT_GT(in_file.x(), 1.0);
+  EXPECT_NEAR((p_m[1] - p_m[0]).x(), kFootM * in_file.x(), 1e-9);
+  // The header states no unit of the heights: they are metres.
+  EXPECT_NEAR((p_m[1] - p_m[0]).z(), in_file.z(), 1e-9);
+  las.vlrs.clear();
+  folder_.Write("2.las", las.Build());
+  testing::ExpectInvalidIn(
+      [&] {
+        BareMatchSource(FindMatchStrips({folder_.path() / "1.las", folder_.path() / "2.las"}));
+      },
+      "other units", "2.las");
 }
 
 TEST_F(BareStrips, ReturnsAndClassesAreChosen) {

@@ -177,4 +177,11 @@ std::optional<double> CrsUnitM(const std::string& definition) {
   return system->horizontal_unit_m;
 }
 
+Eigen::Vector3d CrsUnitsM(const std::string& name) {
+  const CrsName parts = SplitCrsName(name);
+  const auto definition = geo_internal::ProjDefinition(parts.system);
+  const double horizontal_m = definition ? CrsUnitM(*definition).value_or(1.0) : 1.0;
+  return {horizontal_m, horizontal_m, parts.height_unit_m};
+}
+
 }  // namespace dn

@@ -164,15 +164,18 @@ class BareMatchSource : public MatchSource {
   Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
   Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
 
-  /// Returns the origin of m in the coordinate system of the files.
-  const Eigen::Vector3d& origin_c_m() const { return origin_c_m_; }
+  /// Returns a point of m in the coordinate system of the files, in its units.
+  Eigen::Vector3d ToFile(const Eigen::Vector3d& p_m) const {
+    return origin_c_ + p_m.cwiseQuotient(unit_m_);
+  }
   const Eigen::Vector3d& shift_m(std::size_t strip) const { return shifts_m_[strip]; }
   void SetShift(std::size_t strip, const Eigen::Vector3d& shift_m) { shifts_m_[strip] = shift_m; }
 
  private:
   std::vector<MatchStrip> strips_;
   PointFilter filter_;
-  Eigen::Vector3d origin_c_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d origin_c_ = Eigen::Vector3d::Zero();  // of m, in the units of the files
+  Eigen::Vector3d unit_m_ = Eigen::Vector3d::Ones();    // metres per unit of the files
   std::vector<Eigen::Vector3d> shifts_m_;
 };
 

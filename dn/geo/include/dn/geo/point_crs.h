@@ -52,6 +52,9 @@ NamedCrs NameCrs(const std::string& definition, std::optional<double> height_uni
 /// for an unknown or geographic system.
 std::optional<double> CrsUnitM(const std::string& definition);
 
+/// Returns metres per unit of the three coordinates in a system that PointCrs takes.
+Eigen::Vector3d CrsUnitsM(const std::string& name);
+
 /// The coordinate system c of the points of a strip:
 ///
 ///   map            the mapping frame m
