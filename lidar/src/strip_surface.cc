@@ -2,6 +2,7 @@
 #include <dn/lidar/strip_surface.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

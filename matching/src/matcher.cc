@@ -5,17 +5,12 @@
 #include <dn/parallel.h>
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "agree_with_neighbours.h"
-#include "median_by_axis.h"
 
 namespace dn::matching_internal {
 namespace {
@@ -26,17 +21,11 @@ using Eigen::Vector3d;
 
 // Lengths in ground sampling distances.
 constexpr double kSampleCell_gsd = 2.0;  // so small that a shifted raster has few holes
-constexpr double kRasterCell_gsd = 3.0;
-constexpr double kMargin_gsd = 6.0;     // of the points about a cell: reach, and error of the start
-constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
-constexpr double kLeastUp = 0.7071;     // of the normal of a surface: 45 deg from the vertical
 
 constexpr int kShadowCells = 6;  // cells of 3 GSD: width of the ground hidden by a house
 constexpr Pieces kCoarsePieces{16, 16, 300.0};
 constexpr Pieces kFinePieces{8, 6, 1000.0};
-constexpr int kRootCells = 32;   // side of the largest cells
 constexpr int kPlaceCells = 16;  // distance between the places with a raster search
-constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
 // A boresight error tilts strips against each other, and the shifts within a cell then differ. The
@@ -46,11 +35,7 @@ constexpr double kSettledTurn_rad = 1e-4;
 constexpr int kMostPasses = 2;
 // A smaller ground sampling distance would leave a hundred empty cells or more for each point.
 constexpr double kLeastShareOfSpacing = 0.1;
-constexpr double kMostCells = 4e8;        // cells of a raster, 3 GB
-constexpr double kMostPoints_gsd2 = 2.0;  // per square ground sampling distance
-constexpr double kPointsAtOnce = 1.5e6;
-constexpr std::size_t kNeighboursOfStart = 5;
-constexpr std::size_t kFewestForFactor = 10;
+constexpr double kMostCells = 4e8;  // cells of a raster, 3 GB
 constexpr std::size_t kPosesOfLine = 60;
 
 double GsdFromDensity(const MatchSource& source, int threads) {
@@ -101,34 +86,7 @@ std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b,
   return grid;
 }
 
-/// Returns the surface of a pair whose shift is accurate in one direction only.
-MatchedSurface AlongBestDirection(const MatchedPair& pair, const Eigen::Matrix3d& covariance_m2) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance_m2);
-  const Vector3d normal = eigen.eigenvectors().col(0);
-  MatchedSurface surface;
-  surface.pair.ends = pair.pair;
-  surface.pair.normal_m = normal.z() < 0.0 ? Vector3d(-normal) : normal;
-  surface.pair.sigma_m = std::sqrt(eigen.eigenvalues()[0]);
-  surface.radius_m = pair.radius_m;
-  return surface;
-}
-
-/// Returns the mean of the middle nine tenths of variance ratios, at least 1.
-double MeanRatio(std::vector<double> ratios) {
-  if (ratios.size() < kFewestForFactor) return 1.0;
-  std::sort(ratios.begin(), ratios.end());
-  const std::size_t cut = ratios.size() / 20;
-  double sum = 0.0;
-  for (std::size_t k = cut; k < ratios.size() - cut; ++k) sum += ratios[k];
-  return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
-}
-
 }  // namespace
-
-void RegisteredCells::Append(RegisteredCells more) {
-  std::ranges::move(more.cells, std::back_inserter(cells));
-  std::ranges::move(more.surfaces, std::back_inserter(surfaces));
-}
 
 double Matcher::BaseCell() const { return kRasterCell_gsd * result_.gsd_m; }
 
@@ -350,172 +308,6 @@ std::vector<MatchedPlace> Matcher::FindPlaces(const HeightRaster& a, const Heigh
   return places;
 }
 
-Vector3d Matcher::StartShift(const GroundCell& cell, const std::vector<MatchedPlace>& places) {
-  const auto off_m2 = [&](const MatchedPlace& place) {
-    return (place.centre_en_m - cell.centre_en_m).squaredNorm();
-  };
-  std::vector<MatchedPlace> nearest(std::min(kNeighboursOfStart, places.size()));
-  std::partial_sort_copy(
-      places.begin(), places.end(), nearest.begin(), nearest.end(),
-      [&](const MatchedPlace& p, const MatchedPlace& q) { return off_m2(p) < off_m2(q); });
-  std::vector<Vector3d> shifts_m;
-  for (const MatchedPlace& place : nearest) shifts_m.push_back(place.shift_m);
-  return MedianByAxis(shifts_m);
-}
-
-double Matcher::MostPoints() const { return kMostPoints_gsd2 * options_.beams; }
-
-double Matcher::KeepShare(std::size_t strip) const {
-  const double gsd_m = result_.gsd_m;
-  return std::min(1.0, MostPoints() / (samples_[strip].point_density_m2 * gsd_m * gsd_m));
-}
-
-RegisteredCells Matcher::RegisterRoots(const StripPairMatch& match,
-                                       const std::vector<GroundCell>& roots,
-                                       const std::vector<MatchedPlace>& places) const {
-  RegisteredCells work;
-  const double root_gsd = kRasterCell_gsd * kRootCells;
-  const auto at_once = std::max<std::size_t>(
-      1, static_cast<std::size_t>(kPointsAtOnce / (MostPoints() * root_gsd * root_gsd)));
-  for (std::size_t first = 0; first < roots.size(); first += at_once) {
-    const std::size_t past = std::min(roots.size(), first + at_once);
-    RegisterSome(match,
-                 {roots.begin() + static_cast<std::ptrdiff_t>(first),
-                  roots.begin() + static_cast<std::ptrdiff_t>(past)},
-                 places, &work);
-    Tell("registration of " + PairName(match.i, match.j),
-         fmt::format("{} of {}", past, roots.size()));
-    if (work.cells.size() >= 2 * options_.most_pairs) break;
-  }
-  return work;
-}
-
-void Matcher::RegisterSome(const StripPairMatch& match, const std::vector<GroundCell>& roots,
-                           const std::vector<MatchedPlace>& places, RegisteredCells* work) const {
-  std::vector<Vector3d> starts_m;
-  std::vector<GatherCell> cells_a, cells_b;
-  const double margin_m = kMargin_gsd * result_.gsd_m;
-  for (const GroundCell& root : roots) {
-    starts_m.push_back(StartShift(root, places));
-    cells_a.push_back({{root.centre_en_m, root.half_m + margin_m}, KeepShare(match.i)});
-    cells_b.push_back({{root.centre_en_m + starts_m.back().head<2>(), root.half_m + margin_m},
-                       KeepShare(match.j)});
-  }
-  const auto gather = [&](std::size_t strip, const std::vector<GatherCell>& cells) {
-    return Gather(source_, strip, cells, options_.threads, [&](std::uint64_t points) {
-      Tell("points of " + PairName(match.i, match.j),
-           fmt::format("{} points of strip {}", points, source_.strips()[strip].name));
-    });
-  };
-  const std::vector<CellPoints> in_a = gather(match.i, cells_a), in_b = gather(match.j, cells_b);
-  std::vector<RegisteredCells> found(roots.size());
-  ParallelForChunks(roots.size(), 1, options_.threads,
-                    [&](std::size_t, std::size_t from, std::size_t to) {
-                      for (std::size_t k = from; k < to; ++k) {
-                        found[k] = RegisterRoot(match.i, roots[k], starts_m[k], in_a[k], in_b[k]);
-                      }
-                    });
-  for (RegisteredCells& each : found) work->Append(std::move(each));
-}
-
-RegisteredCells Matcher::RegisterRoot(std::size_t i, const GroundCell& root,
-                                      const Vector3d& start_m, const CellPoints& in_a,
-                                      const CellPoints& in_b) const {
-  if (options_.beams > 1) return RegisterBeams(i, root, start_m, in_a, in_b);
-  return RegisterPoints(i, root, start_m, in_a, in_b);
-}
-
-RegisteredCells Matcher::RegisterBeams(std::size_t i, const GroundCell& root,
-                                       const Vector3d& start_m, const CellPoints& in_a,
-                                       const CellPoints& in_b) const {
-  RegisteredCells work;
-  if (in_a.size() == 0 || in_b.size() == 0) return work;
-  if (in_a.beam.empty() || in_b.beam.empty()) FailWithoutBeams();
-  const double cells = root.centre_en_m.sum() / (2.0 * root.half_m);
-  const int beams = options_.beams, apart = static_cast<int>(std::floor(cells)) % beams + beams;
-  for (int beam = 0; beam < beams; ++beam) {
-    const int other = (beam + apart) % beams;
-    RegisteredCells found =
-        RegisterPoints(i, root, start_m, in_a.WithBeam(beam), in_b.WithBeam(other));
-    for (RegisteredCell& each : found.cells) {
-      each.pair.pair.beam_i = beam;
-      each.pair.pair.beam_j = other;
-    }
-    work.Append(std::move(found));
-  }
-  return work;
-}
-
-void Matcher::FailWithoutBeams() const {
-  throw InvalidInput(
-      "the points have no beam, but lidar.beams is given: add the column (text) or the extra "
-      "bytes (LAS) `beam`, or leave out the key",
-      {source_.strips().front().files.front().string()});
-}
-
-RegisteredCells Matcher::RegisterPoints(std::size_t i, const GroundCell& root,
-                                        const Vector3d& start_m, const CellPoints& in_a,
-                                        const CellPoints& in_b) const {
-  RegisteredCells work;
-  if (in_a.size() == 0 || in_b.size() == 0) return work;
-  const double gsd_m = result_.gsd_m;
-  const PatchSurface a(in_a.p_m, kReach_gsd * gsd_m), b(in_b.p_m, kReach_gsd * gsd_m);
-  const CellMatches matches =
-      MatchCells(a, b, start_m, {root, gsd_m, options_.patch_gsd * gsd_m, TakesSurfaces()});
-  for (const auto& [cell, registration] : matches.cells) {
-    MatchedPair pair;
-    pair.pair = MakePair(i, registration.centre_en_m, registration.shift_m, in_a, in_b, b);
-    pair.radius_m = cell.half_m;
-    pair.volumetric_share = registration.volumetric_share;
-    work.cells.push_back({registration, std::move(pair)});
-  }
-  for (const auto& [cell, registration] : matches.surfaces) {
-    MatchedSurface surface;
-    surface.pair.ends = MakePair(i, registration.centre_en_m, registration.shift_m, in_a, in_b, b);
-    surface.pair.normal_m = registration.normal_m;
-    surface.radius_m = cell.half_m;
-    work.surfaces.push_back({registration, std::move(surface)});
-  }
-  return work;
-}
-
-LidarPair Matcher::MakePair(std::size_t i, const Vector2d& at_en_m, const Vector3d& shift_m,
-                            const CellPoints& in_a, const CellPoints& in_b,
-                            const PatchSurface& b) const {
-  std::size_t at = 0;
-  const auto off_m2 = [&](std::size_t k) {
-    return (in_a.p_m[k].head<2>() - at_en_m).squaredNorm();
-  };
-  for (std::size_t k = 1; k < in_a.size(); ++k) {
-    if (off_m2(k) < off_m2(at)) at = k;
-  }
-  const std::size_t to = b.NearestTo(in_a.p_m[at] + shift_m).index;
-  LidarPair pair;
-  pair.t_i_s = in_a.t_s[at];
-  pair.t_j_s = in_b.t_s[to];
-  pair.u_i_s = source_.RawAt(i, in_a.t_s[at], in_b.p_m[to] - shift_m);
-  pair.u_j_s = in_b.x[to];
-  return pair;
-}
-
-double Matcher::VarianceFactor() const {
-  std::vector<double> ratios;
-  for (const RegisteredCells& work : registered_) {
-    for (const RegisteredCell& w : work.cells) ratios.push_back(w.registration.variance_ratio);
-  }
-  return MeanRatio(std::move(ratios));
-}
-
-double Matcher::SurfaceVarianceFactor() const {
-  std::vector<double> ratios;
-  for (const RegisteredCells& work : registered_) {
-    for (const RegisteredSurface& w : work.surfaces) {
-      ratios.push_back(w.registration.variance_ratio);
-    }
-  }
-  return MeanRatio(std::move(ratios));
-}
-
 Swath Matcher::MakeSwath(std::size_t strip) const {
   Swath swath{source_.strips()[strip].name, {}, {}};
   SwathOutline outline;
@@ -561,111 +353,4 @@ void Matcher::Finish() {
   PlacePairs();
 }
 
-void Matcher::TakeDetermined(std::size_t k) {
-  StripPairMatch& match = result_.strip_pairs[k];
-  const double most_m = kMostSigma_gsd * result_.gsd_m;
-  for (RegisteredCell& w : registered_[k].cells) {
-    const Eigen::Matrix3d covariance_m2 = w.registration.Covariance(result_.variance_factor);
-    if (std::sqrt(covariance_m2.trace()) > most_m) {
-      AddSurface(AlongBestDirection(w.pair, covariance_m2), &match);
-      continue;
-    }
-    w.pair.pair.covariance_m2 = covariance_m2;
-    match.pairs.push_back(w.pair);
-  }
-  match.registered = match.pairs.size();
-}
-
-void Matcher::TakeSurfaces(std::size_t k) {
-  for (RegisteredSurface& w : registered_[k].surfaces) {
-    w.surface.pair.sigma_m = std::sqrt(w.registration.Variance(result_.surface_variance_factor));
-    AddSurface(w.surface, &result_.strip_pairs[k]);
-  }
-}
-
-void Matcher::AddSurface(MatchedSurface surface, StripPairMatch* match) const {
-  const double most_m = kMostSigma_gsd / std::sqrt(3.0) * result_.gsd_m;
-  if (!TakesSurfaces() || surface.pair.normal_m.z() < kLeastUp || surface.pair.sigma_m > most_m)
-    return;
-  match->surfaces.push_back(std::move(surface));
-}
-
-void Matcher::KeepAgreeing(StripPairMatch* match) const {
-  std::vector<PlacedShift> shifts;
-  for (const MatchedPair& pair : match->pairs) {
-    const Vector3d p_j_m = source_.Position(match->j, pair.pair.t_j_s, pair.pair.u_j_s);
-    shifts.push_back({p_j_m.head<2>(), -Apart(*match, pair.pair), *pair.pair.covariance_m2});
-  }
-  const Agreement agreement = AgreeWithNeighbours(shifts);
-  match->variance_factor = agreement.variance_factor;
-  std::vector<MatchedPair> kept;
-  for (std::size_t p = 0; p < shifts.size(); ++p) {
-    if (!agreement.agrees[p]) continue;
-    kept.push_back(match->pairs[p]);
-    std::optional<Eigen::Matrix3d>& covariance_m2 = kept.back().pair.covariance_m2;
-    covariance_m2 = agreement.Inflated(*covariance_m2);
-  }
-  match->pairs = std::move(kept);
-}
-
-void Matcher::KeepAgreeingSurfaces(StripPairMatch* match) const {
-  std::vector<PlacedHeight> heights;
-  for (const MatchedSurface& surface : match->surfaces) {
-    const LidarPair& ends = surface.pair.ends;
-    const Vector3d p_j_m = source_.Position(match->j, ends.t_j_s, ends.u_j_s);
-    const double sigma_m = surface.pair.sigma_m;
-    heights.push_back({p_j_m.head<2>(), -SurfacesApart(*match, surface), sigma_m * sigma_m});
-  }
-  const HeightAgreement agreement = AgreeInHeight(heights);
-  match->surface_variance_factor = agreement.variance_factor;
-  std::vector<MatchedSurface> kept;
-  for (std::size_t k = 0; k < heights.size() && kept.size() < options_.most_pairs; ++k) {
-    if (!agreement.agrees[k]) continue;
-    kept.push_back(match->surfaces[k]);
-    kept.back().pair.sigma_m *= std::sqrt(agreement.variance_factor);
-  }
-  match->surfaces = std::move(kept);
-}
-
-void Matcher::AlignAll() {
-  std::vector<CoarsePair> pairs;
-  for (const StripPairMatch& match : result_.strip_pairs) {
-    for (const MatchedPair& pair : match.pairs) {
-      pairs.push_back({match.i, match.j, pair.pair.t_i_s, pair.pair.t_j_s, pair.pair.u_i_s,
-                       pair.pair.u_j_s, Apart(match, pair.pair)});
-    }
-  }
-  Align(pairs, kToleranceCells * BaseCell());
-}
-
-void Matcher::PlacePairs() {
-  for (StripPairMatch& match : result_.strip_pairs) {
-    for (MatchedPair& pair : match.pairs) pair.after_m = Apart(match, pair.pair);
-    for (MatchedSurface& surface : match.surfaces) {
-      surface.after_m = SurfacesApart(match, surface);
-    }
-  }
-  AsGiven([&] {
-    for (StripPairMatch& match : result_.strip_pairs) {
-      for (MatchedPair& pair : match.pairs) {
-        pair.p_i_m = source_.Position(match.i, pair.pair.t_i_s, pair.pair.u_i_s);
-        pair.p_j_m = source_.Position(match.j, pair.pair.t_j_s, pair.pair.u_j_s);
-      }
-      for (MatchedSurface& surface : match.surfaces) {
-        const LidarPair& ends = surface.pair.ends;
-        surface.p_j_m = source_.Position(match.j, ends.t_j_s, ends.u_j_s);
-        surface.before_m = SurfacesApart(match, surface);
-      }
-    }
-  });
-}
-
-Vector3d Matcher::Apart(const StripPairMatch& match, const LidarPair& pair) const {
-  return source_.Position(match.i, pair.t_i_s, pair.u_i_s) -
-         source_.Position(match.j, pair.t_j_s, pair.u_j_s);
-}
-
-double Matcher::SurfacesApart(const StripPairMatch& match, const MatchedSurface& surface) const {
-  return surface.pair.normal_m.dot(Apart(match, surface.pair.ends));
-}
 }  // namespace dn::matching_internal

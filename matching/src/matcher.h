@@ -18,6 +18,10 @@
 
 namespace dn::matching_internal {
 
+inline constexpr double kRasterCell_gsd = 3.0;  ///< of the finest rasters
+inline constexpr int kRootCells = 32;           ///< side of the largest cells, in such cells
+inline constexpr double kToleranceCells = 2.5;  ///< of pairs that agree with an alignment
+
 /// A place with a unique shift between the rasters.
 struct MatchedPlace {
   Eigen::Vector2d centre_en_m;

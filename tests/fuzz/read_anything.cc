@@ -12,6 +12,7 @@
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
 #include <dn/lidar/strip_io.h>
+#include <dn/lidar/surface_pairs.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/report/json_reader.h>
 #include <dn/sim/scenario.h>
@@ -118,6 +119,14 @@ void CheckPairs(const fs::path& folder) {
   }
 }
 
+void CheckSurfacePairs(const fs::path& folder) {
+  for (const SurfacePair& pair : ReadSurfacePairs(folder, {"surfaces.txt"}).pairs) {
+    Require(pair.ends.u_i_s.norm() > 0.0, "laser vectors are not zero");
+    Require(std::abs(pair.normal_m.norm() - 1.0) < 1e-9, "normals are unit");
+    Require(pair.sigma_m > 0.0, "standard deviations are positive");
+  }
+}
+
 void CheckPoints(const StripCloud& points) {
   Require(!points.p_c.empty(), "a chunk has points");
   for (const Eigen::Vector3d& p_c : points.p_c) Require(p_c.allFinite(), "coordinates are finite");
@@ -218,6 +227,9 @@ void Read(char reader, std::string_view content) {
     case 'P':
       scratch.Write("LiDAR_p2p.txt", content);
       return CheckPairs(scratch.path());
+    case 'H':
+      scratch.Write("surfaces.txt", content);
+      return CheckSurfacePairs(scratch.path());
     case 'C':
       return CheckScenario(std::string(content));
     case 'V':

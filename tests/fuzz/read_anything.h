@@ -16,8 +16,8 @@ namespace dn::testing {
 ///   P ReadPairs                         F ReadFlightConfig          C ParseScenario
 ///   V ReadTrajectoryCovariance          L OpenStrip, LAS            X OpenStrip, text
 ///   M ParseJson                         D FlightRecordFromJson      W SweepRecordFromJson
-///   E BlindRecordFromJson
-inline constexpr std::string_view kReaders = "TSOIJGRBNPFCVLXMDWE";
+///   E BlindRecordFromJson               H ReadSurfacePairs
+inline constexpr std::string_view kReaders = "TSOIJGRBNPFCVLXMDWEH";
 
 /// Gives the bytes after the first one to a reader, as a file in memory. The first byte selects the
 /// reader: by its letter, or modulo the number of readers if it is not in kReaders.

@@ -12,6 +12,7 @@ FILES = {
     "IMU.txt": (CALIBRATE, CALIBRATE, SMOOTH, CHECK),
     "GPS.txt": (CALIBRATE, CALIBRATE, SMOOTH, CHECK),
     "lidar/1_2.txt": (CALIBRATE, CALIBRATE, CALIBRATE, GAUSS_HELMERT, CHECK),
+    "surfaces/1_2.txt": (CALIBRATE, CALIBRATE, CHECK),
     "lidar_b/1_2.txt": (CALIBRATE, CALIBRATE, CHECK),
     "control/points.txt": (CALIBRATE, CHECK),
     "control/checks.txt": (CALIBRATE, CHECK),

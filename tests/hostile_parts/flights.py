@@ -102,6 +102,7 @@ gnss:
   robust: none
 lidar:
   p2p: [lidar/1_2.txt]
+  surface_pairs: [surfaces/1_2.txt]
   time_offset_s: 0
   pairs:
     strategy: all
@@ -162,6 +163,7 @@ SECOND_SCANNER = [
     angle_sigma_deg: 0.1
     range_offset_sigma_m: 0.03"""),
 ]
+SURFACE_PAIRS = "  surface_pairs: [surfaces/1_2.txt]\n"  # for one scanner only
 PAIRS_BETWEEN = """pairs_between:
   - scanners: [a, b]
     p2p: ["lidar_a_b/*.txt"]
@@ -176,7 +178,7 @@ def with_two_scanners(text):
     """
     begin = text.index("lidar:\n") + len("lidar:\n")
     end = next(i for i in range(begin, len(text)) if text[i - 1] == "\n" and text[i] != " ")
-    first = text[begin:end]
+    first = text[begin:end].replace(SURFACE_PAIRS, "")
     second = first
     for before, after in SECOND_SCANNER:
         second = second.replace(before, after)
@@ -212,6 +214,7 @@ class Base:
         (work / "tmp").mkdir()
         (work / "small.yaml").write_text(SCENARIO)
         self._run("simulate", work / "small.yaml", "--seed", "1", "--out", self.flight)
+        self._add_surface_pairs()
         written = (self.flight / "flight.yaml").read_text()
         self.yaml = known_keys(written, self.program, work)
         self._run("smooth", self.flight, "--out", work / "smooth")
@@ -227,6 +230,14 @@ class Base:
         (self.flight / "strips" / "2.txt").write_text(strips.text(strips.epochs(381121, 381133, 300)))
         thin_sbet(self.flight / "reference.out", 4)
         self.results.mkdir()
+
+    def _add_surface_pairs(self):
+        """Makes surface pairs from the first pairs, along the vertical."""
+        pairs = (self.flight / "lidar" / "1_2.txt").read_text().splitlines()
+        rows = [line.split(",")[:8] for line in pairs if not line.startswith("#")][:20]
+        (self.flight / "surfaces").mkdir()
+        (self.flight / "surfaces" / "1_2.txt").write_text(
+            "".join(",".join(row) + ", 0, 0, 1, 0.06\n" for row in rows))
 
     def _add_second_scanner(self, work):
         """Adds the pairs of two scanners, and checks the flight with both."""
