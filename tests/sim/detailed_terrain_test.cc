@@ -71,17 +71,31 @@ double ReturnsPerPulse(const StripCloud& points) {
   return static_cast<double>(points.size()) / static_cast<double>(pulses);
 }
 
-// In woods the returns of trees are as frequent as in a forest; elsewhere there are none. Class
-// 5 is high vegetation.
+/// Returns the share of vertical rays at random places within 2 km that meet a tree.
+double ShareOfTrees(double woods_share) {
+  TerrainScenario scenario;
+  scenario.kind = TerrainKind::kNatural;
+  scenario.woods_share = woods_share;
+  const Terrain terrain(scenario);
+  TerrainCaster caster(terrain);
+  Random random(1, "rays");
+  constexpr int kRays = 2000;
+  int trees = 0;
+  for (int k = 0; k < kRays; ++k) {
+    const Vector3d origin_m(random.Uniform(-2e3, 2e3), random.Uniform(-2e3, 2e3), 200.0);
+    const auto hit = caster.Cast(origin_m, -Vector3d::UnitZ(), 1e3);
+    trees += hit && hit->surface == Surface::kHighPlant ? 1 : 0;
+  }
+  return static_cast<double>(trees) / kRays;
+}
+
 TEST(DetailedTerrain, WoodsCoverTheirShareOfNaturalGround) {
-  const auto share = [&](const std::string& woods) {
-    return Share(Points(DetailedScenario("kind: natural" + woods, ", noise_share: 0"), 0), {5});
-  };
-  const double forest = share(", woods_share: 1"), some = share(", woods_share: 0.4");
+  const double forest = ShareOfTrees(1.0);
   EXPECT_GT(forest, 0.4);
-  EXPECT_GT(some, 0.15 * forest);
-  EXPECT_LT(some, 0.75 * forest);
-  EXPECT_EQ(share(", woods_share: 0"), 0.0);
+  for (const double woods_share : {0.2, 0.4, 0.7}) {
+    EXPECT_NEAR(ShareOfTrees(woods_share) / forest, woods_share, 0.1);
+  }
+  EXPECT_EQ(ShareOfTrees(0.0), 0.0);
 }
 
 // Only point clouds see woods: the ground, and with it the pairs, stay the same.
