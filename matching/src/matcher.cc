@@ -11,7 +11,6 @@
 #include <optional>
 #include <utility>
 
-
 namespace dn::matching_internal {
 namespace {
 

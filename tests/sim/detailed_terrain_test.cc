@@ -72,7 +72,7 @@ double ReturnsPerPulse(const StripCloud& points) {
 }
 
 /// Returns the share of vertical rays at random places within 2 km that meet a tree.
-double ShareOfTrees(double woods_share) {
+double TreeShare(double woods_share) {
   TerrainScenario scenario;
   scenario.kind = TerrainKind::kNatural;
   scenario.woods_share = woods_share;
@@ -90,12 +90,12 @@ double ShareOfTrees(double woods_share) {
 }
 
 TEST(DetailedTerrain, WoodsCoverTheirShareOfNaturalGround) {
-  const double forest = ShareOfTrees(1.0);
+  const double forest = TreeShare(1.0);
   EXPECT_GT(forest, 0.4);
   for (const double woods_share : {0.2, 0.4, 0.7}) {
-    EXPECT_NEAR(ShareOfTrees(woods_share) / forest, woods_share, 0.1);
+    EXPECT_NEAR(TreeShare(woods_share) / forest, woods_share, 0.1);
   }
-  EXPECT_EQ(ShareOfTrees(0.0), 0.0);
+  EXPECT_EQ(TreeShare(0.0), 0.0);
 }
 
 // Only point clouds see woods: the ground, and with it the pairs, stay the same.
