@@ -113,7 +113,8 @@ void AddThreads(CLI::App* app, CommonOptions* options);
 /// Adds --threads, --json-progress and --out. out_required: --out is mandatory.
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
 
-/// Adds --set to a command that reads the YAML file `of`; `example` is a key=value for the help.
+/// Adds --set to a command that reads the YAML file `of`, and returns the option; `example` is a
+/// key=value for the help.
 CLI::Option* AddChanges(CLI::App* app, const std::string& of, const std::string& example,
                         CommonOptions* options);
 

@@ -65,9 +65,9 @@ void AddRangeOffset(double sigma_m, FlightConfig* config);
 MatchOptions MakeRunMatchOptions(Run& run);
 
 /// Returns the configuration with the pair files lidar/<a>_<b>.txt and the files of surface pairs
-/// surfaces/<a>_<b>.txt in `folder`. If the trajectory
-/// was smoothed, it refers to the file `trajectory` in the same folder. The prior of
-/// lidar_range_offset under `unmodelled` contains the error that all pairs over plants share.
+/// surfaces/<a>_<b>.txt in `folder`. If the trajectory was smoothed, it refers to the file
+/// `trajectory` in the same folder. The prior of lidar_range_offset under `unmodelled` contains the
+/// error that all pairs over plants share.
 FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::path& folder,
                          const std::string& trajectory);
 

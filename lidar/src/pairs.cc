@@ -7,7 +7,7 @@
 
 #include "beam_number.h"
 #include "glob.h"
-#include "laser_vector.h"
+#include "pair_rows.h"
 #include "repeated_pairs.h"
 #include "text_rows.h"
 
@@ -19,7 +19,7 @@ using lidar_internal::AppendNumbers;
 using lidar_internal::AppendUpperTriangle;
 using lidar_internal::FromUpperTriangle;
 
-constexpr std::size_t kPairColumns = 8;
+constexpr std::size_t kPairColumns = lidar_internal::kEndColumns;
 constexpr std::size_t kPairColumnsWithCovariance = 14;
 constexpr std::size_t kBeamColumns = 2;
 constexpr double kLeastVarianceM2 = 1e-12;
@@ -42,27 +42,13 @@ const Eigen::Matrix3d& CheckedCovariance(const Eigen::Matrix3d& M_m2, const File
   return M_m2;
 }
 
-void CheckTime(double t_s, const FileLocation& where) {
-  if (!IsWeekSeconds(t_s)) CheckWeekSeconds(t_s, where);
-}
-
 bool HasBeams(std::size_t columns) {
   return columns == kPairColumns + kBeamColumns ||
          columns == kPairColumnsWithCovariance + kBeamColumns;
 }
 
 LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLocation& where) {
-  LidarPair pair;
-  pair.t_i_s = row[0];
-  pair.t_j_s = row[1];
-  pair.u_i_s = Eigen::Vector3d(row[2], row[3], row[4]);
-  pair.u_j_s = Eigen::Vector3d(row[5], row[6], row[7]);
-  pair.file = file;
-  pair.line = where.line;
-  CheckTime(pair.t_i_s, where);
-  CheckTime(pair.t_j_s, where);
-  lidar_internal::CheckLaserVector(pair.u_i_s, where);
-  lidar_internal::CheckLaserVector(pair.u_j_s, where);
+  LidarPair pair = lidar_internal::ReadEnds(row, file, where);
   if (columns >= kPairColumnsWithCovariance) {
     pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPairColumns), where);
   }
@@ -90,19 +76,16 @@ VectorOrigin ReadOrigin(const std::filesystem::path& path) {
 }
 
 void AppendFile(const std::filesystem::path& path, double time_offset_s, PairData& data) {
-  TextTable table =
-      ReadTextTable(path, {kPairColumns, kPairColumns + kBeamColumns, kPairColumnsWithCovariance,
-                           kPairColumnsWithCovariance + kBeamColumns});
   const int file = static_cast<int>(data.files.size());
   data.files.push_back(path);
   data.origins.push_back(ReadOrigin(path));
-  data.pairs.reserve(data.pairs.size() + table.rows());
-  FileLocation where{path.string(), 0, 0};
-  for (std::size_t i = 0; i < table.rows(); ++i) {
-    where.line = table.lines[i];
-    for (std::size_t c = 0; c < 2; ++c) table.values[i * table.columns + c] -= time_offset_s;
-    data.pairs.push_back(ToPair(table.row(i), table.columns, file, where));
-  }
+  lidar_internal::ForEachPairRow(
+      path,
+      {kPairColumns, kPairColumns + kBeamColumns, kPairColumnsWithCovariance,
+       kPairColumnsWithCovariance + kBeamColumns},
+      time_offset_s, [&](const double* row, std::size_t columns, const FileLocation& where) {
+        data.pairs.push_back(ToPair(row, columns, file, where));
+      });
 }
 
 }  // namespace

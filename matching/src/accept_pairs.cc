@@ -13,15 +13,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
-constexpr double kLeastUp = 0.7071;     // of the normal of a surface: 45 deg from the vertical
 
 /// Returns the surface of a pair whose shift is accurate in one direction only.
 MatchedSurface AlongBestDirection(const MatchedPair& pair, const Eigen::Matrix3d& covariance_m2) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance_m2);
-  const Vector3d normal = eigen.eigenvectors().col(0);
   MatchedSurface surface;
   surface.pair.ends = pair.pair;
-  surface.pair.normal_m = normal.z() < 0.0 ? Vector3d(-normal) : normal;
+  surface.pair.normal_m = Upward(eigen.eigenvectors().col(0));
   surface.pair.sigma_m = std::sqrt(eigen.eigenvalues()[0]);
   surface.radius_m = pair.radius_m;
   return surface;
@@ -53,9 +51,10 @@ void Matcher::TakeSurfaces(std::size_t k) {
 
 void Matcher::AddSurface(MatchedSurface surface, StripPairMatch* match) const {
   const double most_m = kMostSigma_gsd / std::sqrt(3.0) * result_.gsd_m;
-  if (!TakesSurfaces() || surface.pair.normal_m.z() < kLeastUp || surface.pair.sigma_m > most_m)
-    return;
-  match->surfaces.push_back(std::move(surface));
+  const bool accurate = surface.pair.sigma_m <= most_m;  // false for a covariance without a root
+  if (TakesSurfaces() && accurate && surface.pair.normal_m.z() >= kLeastUp) {
+    match->surfaces.push_back(std::move(surface));
+  }
 }
 
 void Matcher::KeepAgreeing(StripPairMatch* match) const {

@@ -77,6 +77,5 @@ Score MakeScore(const std::vector<PointDifference>& differences, const Scales& s
 /// Fewest parts of a cell that have points, for its variance ratio.
 inline constexpr int kFewestParts = 8;
 inline constexpr std::size_t kFewestPartners = 30;
-inline constexpr double kSettled_gsd = 2e-3;  ///< a smaller step ends an iteration
 
 }  // namespace dn::matching_internal

@@ -22,6 +22,8 @@ constexpr double kQuotientStep = 0.5;  // in typical sigmas of a difference
 constexpr double kLeastStep_gsd = 0.25, kLeastHeightStep_gsd = 0.05, kMostStep_gsd = 2.0;
 constexpr double kLeastSignificance = 2.0;  // of the stiffness in its own sigmas
 
+constexpr double kSettled_gsd = 2e-3;  // a smaller step ends an iteration
+
 constexpr int kGaussNewtonSteps = 5;
 constexpr int kNewtonSteps = 6;
 constexpr double kLeastEigenvalueRatio = 1e-6;

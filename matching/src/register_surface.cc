@@ -17,14 +17,12 @@ constexpr int kSteps = 20;
 // The last step is smaller than these parts of the sigma or of the distance between the points.
 constexpr double kSettledSigma = 0.1, kSettledStep_gsd = 1e-5;
 constexpr double kMostVolumetricShare = 0.1;  // of the information along the normal
-constexpr double kLeastUp = 0.7071;           // of the normal: at most 45 deg from the vertical
 constexpr double kQuotientStep_gsd = 0.05;
 
 /// Returns the direction with the most information, upward.
 Vector3d FindNormal(const Matrix3d& N) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(N);
-  const Vector3d normal = eigen.eigenvectors().col(2);
-  return normal.z() < 0.0 ? Vector3d(-normal) : normal;
+  return Upward(eigen.eigenvectors().col(2));
 }
 
 bool IsSmooth(const Score& score, const Vector3d& normal) {

@@ -8,6 +8,14 @@
 
 namespace dn::matching_internal {
 
+/// Least vertical component of the normal of a surface: at most 45 deg from the vertical.
+inline constexpr double kLeastUp = 0.7071;
+
+/// Returns the direction or its opposite, whichever points up.
+inline Eigen::Vector3d Upward(const Eigen::Vector3d& direction) {
+  return direction.z() < 0.0 ? Eigen::Vector3d(-direction) : direction;
+}
+
 /// The distance between the surfaces of a patch in two strips.
 struct SurfaceRegistration {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();    ///< a + shift = b, only along the normal

@@ -376,6 +376,17 @@ TEST_F(Matching, ADistanceFarBelowThatOfThePointsIsRefused) {
   }
 }
 
+TEST_F(Matching, AValueOfTheFlightCanBeReplaced) {
+  const ProgramRun unknown =
+      RunProgram({"match", In("flight"), "--set", "strips_crs=none", "--out", In("replaced")});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("strips_crs is 'none'"));
+  const ProgramRun bare = RunProgram({"match", In("flight/strips/1.las"), In("flight/strips/2.las"),
+                                      "--set", "strips_crs=map", "--out", In("replaced")});
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_THAT(bare.err, HasSubstr("strips alone have none"));
+}
+
 TEST_F(Matching, AFlightWithoutStripsIsToldWhereTheyBelong) {
   const ProgramRun run = RunProgram({"match", ShortFlight().string(), "--out", In("none")});
   EXPECT_EQ(run.exit_code, 1);

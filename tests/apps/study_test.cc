@@ -96,6 +96,15 @@ TEST(CliStudy, SizesOfEffectsCanBeLeftOut) {
   EXPECT_FALSE(JsonIn(out / "study.json").contains("could_still_hide"));
 }
 
+TEST(CliStudy, AValueOfTheScenarioCanBeReplaced) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "study";
+  const ProgramRun run = RunProgram({"study", ShortScenario(), "--set", "name=replaced",
+                                     "--no-remedies", "--no-limits", "--out", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(JsonIn(out / "report.json")["flight"], "replaced");
+}
+
 /// The short scenario without one of its lines, and a sweep over its lines.
 struct OneStrip {
   TempFolder folder;

@@ -82,13 +82,12 @@ std::unique_ptr<FlightNetwork> RemakeNetwork(AdjustmentRun& run,
 
 void RemakeWholeNetwork(AdjustmentRun& run) {
   std::unique_ptr<FlightNetwork> network = RemakeNetwork(run, run.network().calibration().State());
-  if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
-  if (run.options().with_pairs && run.flight().control) {
-    network->AddControl(*run.flight().control);
-  }
-  if (run.options().with_pairs && run.flight().ties) network->AddTies(*run.flight().ties);
-  if (run.options().with_pairs && run.flight().surfaces) {
-    network->AddSurfaces(*run.flight().surfaces);
+  if (run.options().with_pairs) {
+    const Flight& flight = run.flight();
+    network->AddPairs(flight.pairs->pairs);
+    if (flight.control) network->AddControl(*flight.control);
+    if (flight.ties) network->AddTies(*flight.ties);
+    if (flight.surfaces) network->AddSurfaces(*flight.surfaces);
   }
   KeepInUse(run.network(), network.get());
   run.result().network = std::move(network);
