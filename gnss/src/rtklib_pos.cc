@@ -144,14 +144,31 @@ Fields SplitInThree(std::string_view text, char separator, const FileLocation& w
   return parts;
 }
 
+constexpr long kMostYear = 9999, kMostWeeks = 52 * kMostYear;
+
+/// Parses a GPS week. Throws InvalidInput if no GPS time can have it.
+long ParseWeek(std::string_view text, const FileLocation& where) {
+  const long week = ParseInteger(text, where);
+  if (week < 0 || week > kMostWeeks) {
+    throw InvalidInput(
+        "GPS week " + std::to_string(week) + " is outside 0 to " + std::to_string(kMostWeeks),
+        where);
+  }
+  return week;
+}
+
 GpsTime ParseTime(std::string_view first, std::string_view second, const FileLocation& where) {
   if (first.find('/') == std::string_view::npos) {
-    return {ParseInteger(first, where), ParseNumber(second, where)};
+    return {ParseWeek(first, where), ParseNumber(second, where)};
   }
   const Fields date = SplitInThree(first, '/', where);
   const Fields time = SplitInThree(second, ':', where);
   const auto integer = [&where](std::string_view text) {
-    return static_cast<int>(ParseInteger(text, where));
+    const long value = ParseInteger(text, where);
+    if (value < 0 || value > kMostYear) {
+      throw InvalidInput("'" + std::string(text) + "' is not part of a date or a time", where);
+    }
+    return static_cast<int>(value);
   };
   try {
     return CalendarToGpsTime(integer(date[0]), integer(date[1]), integer(date[2]), integer(time[0]),
@@ -315,10 +332,20 @@ Eigen::Matrix3d Covariance(const Row& row, const Names& names, const std::string
   return SignedRootsToCovariance(sigma, roots);
 }
 
+/// Converts the quality of a solution (1 fixed, 2 float, 4 code differences, 5 single, ...) to an
+/// integer. Throws InvalidInput if `value` is not such an integer.
+int Quality(double value, const FileLocation& where) {
+  constexpr double kMost = 255.0;
+  if (value < 0.0 || value > kMost || value != std::floor(value)) {
+    throw InvalidInput("the quality Q is not an integer between 0 and 255", where);
+  }
+  return static_cast<int>(value);
+}
+
 GnssEpoch MakeEpoch(const Row& row, const FileLocation& where) {
   GnssEpoch epoch;
   epoch.line = where.line;
-  if (row.Has({"Q"})) epoch.quality = static_cast<int>(row("Q"));
+  if (row.Has({"Q"})) epoch.quality = Quality(row("Q"), where);
   const bool is_xyz = row.Has(kPositionXyz.value);
   if (is_xyz) {
     epoch.antenna = GeodeticFromEcef(row.Triple(kPositionXyz.value));

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace dn {
@@ -16,11 +17,13 @@ const double kSteepest = std::tan(10.0 / 180.0 * std::numbers::pi);
 // Points that fill a cell evenly have a standard deviation of 0.29 cells in each direction.
 constexpr double kLeastSpread = 0.15;  // in cells
 
-std::int32_t CellNumber(double x_m, double cell_m) {
-  return static_cast<std::int32_t>(std::floor(x_m / cell_m));
-}
-
 }  // namespace
+
+std::int32_t CellNumber(double x_m, double cell_m) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  return static_cast<std::int32_t>(
+      std::clamp<double>(std::floor(x_m / cell_m), Limits::min(), Limits::max()));
+}
 
 std::uint64_t CellKey(const Eigen::Vector2d& en_m, double cell_m) {
   const auto east = static_cast<std::uint32_t>(CellNumber(en_m.x(), cell_m));

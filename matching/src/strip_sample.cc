@@ -1,5 +1,7 @@
 #include "strip_sample.h"
 
+#include <dn/lidar/strip_surface.h>
+
 #include <cmath>
 #include <unordered_map>
 
@@ -52,9 +54,9 @@ StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cel
       const auto off_m2 =
           static_cast<float>((cell - corner - Vector2d::Constant(0.5)).squaredNorm());
       const auto next = static_cast<std::uint32_t>(sample.size());
-      const auto [at, is_new] = cells.try_emplace(
-          {static_cast<std::int32_t>(corner.x()), static_cast<std::int32_t>(corner.y())},
-          KeptPoint{next, off_m2});
+      const auto [at, is_new] =
+          cells.try_emplace({CellNumber(p_m[i].x(), cell_m), CellNumber(p_m[i].y(), cell_m)},
+                            KeptPoint{next, off_m2});
       if (is_new) {
         sample.t_s.push_back(points.t_s[i]);
         sample.x.emplace_back(points.x[i].cast<float>());

@@ -241,7 +241,7 @@ TEST_F(MatchingManyRuns, SmoothCellsAreSurfacePairsOfTheFlight) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("surface pairs kept"));
   const Json result = Read("fields_result/result.json");
-  const Json adjustment = result["adjustment"];
+  const Json& adjustment = result["adjustment"];
   EXPECT_EQ(adjustment["surface_pairs"].get<long>() + adjustment["surface_outliers"].get<long>(),
             surfaces);
   EXPECT_LT(adjustment["surface_outliers"].get<long>(), 5);

@@ -247,6 +247,10 @@ TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
   ExpectInvalid(row("1979/02/10 00:00:00 46 6.9 512"), "before the GPS epoch", 2);
   ExpectInvalid(row("2024/02 00:00:00 46 6.9 512"), "neither year/month/day", 2);
   ExpectInvalid(row("2024/x/10 00:00:00 46 6.9 512"), "'x' is not an integer", 2);
+  ExpectInvalid(row("4294969320/02/10 00:00:00 46 6.9 512"), "not part of a date", 2);
+  ExpectInvalid(row("2024/-2/10 00:00:00 46 6.9 512"), "not part of a date", 2);
+  ExpectInvalid(row("9223372036854775807 1.0 46 6.9 512"), "outside 0 to", 2);
+  ExpectInvalid(row("-1 1.0 46 6.9 512"), "GPS week -1", 2);
   ExpectInvalid(row("23.5 1.0 46 6.9 512"), "'23.5' is not an integer", 2);
   ExpectInvalid(
       [&] { ReadRtklib(header + "2305 1.0 46 6.9 512 1 9 0.02 0 0.05 0 0 0 0.00 4.2\n"); },
@@ -254,6 +258,18 @@ TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
   ExpectInvalid(
       [&] { ReadRtklib(header + "2305 1.0 46 6.9 512 1 9 -0.02 1 0.05 0 0 0 0.00 4.2\n"); },
       "position sigma N is negative", 2);
+}
+
+TEST(RtklibPos, RejectsQualitiesThatAreNoNumbersOfASolution) {
+  const auto quality = [](const std::string& value) {
+    return [=] {
+      ReadRtklib(kGpst + kLlh + "\n2305 1.0 46 6.9 512 " + value +
+                 " 9 0.02 0.01 0.05 0 0 0 0.00 4.2\n");
+    };
+  };
+  for (const char* value : {"1e11", "-1", "1.5", "256"}) {
+    ExpectInvalid(quality(value), "quality Q", 2);
+  }
 }
 
 TEST(RtklibPos, RejectsTimesThatDoNotIncrease) {

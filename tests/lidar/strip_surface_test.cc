@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace dn::lidar_test {
@@ -40,6 +41,13 @@ TEST(StripSurface, HeightsAreThoseOfTheCentres) {
     EXPECT_EQ(flat.At(centre_m), up_m);
   }
   EXPECT_FALSE(flat.At({15.0, 0.0}));
+}
+
+TEST(StripSurface, PlacesBeyondTheNumbersOfCellsAreInTheLastOne) {
+  EXPECT_EQ(CellNumber(-0.1, 2.0), -1);
+  EXPECT_EQ(CellNumber(5.9, 2.0), 2);
+  EXPECT_EQ(CellNumber(1e12, 2.0), std::numeric_limits<std::int32_t>::max());
+  EXPECT_EQ(CellNumber(-1e12, 2.0), std::numeric_limits<std::int32_t>::min());
 }
 
 TEST(StripSurface, SlopesAndRoughGroundAreLeftOut) {

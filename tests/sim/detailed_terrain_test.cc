@@ -60,7 +60,7 @@ StripCloud Points(const Scenario& scenario, std::size_t strip, int threads = 1) 
   return all;
 }
 
-double Share(const StripCloud& points, std::set<int> classes) {
+double Share(const StripCloud& points, const std::set<int>& classes) {
   double count = 0.0;
   for (const std::uint8_t each : points.classification) count += classes.contains(each) ? 1.0 : 0.0;
   return count / static_cast<double>(points.size());

@@ -20,6 +20,10 @@ struct FlatSurface {
   std::optional<double> At(const Eigen::Vector2d& en_m) const;
 };
 
+/// Returns the number of the cell that contains a coordinate. A coordinate that is too far away for
+/// a number of 32 bits belongs to the last cell.
+std::int32_t CellNumber(double x_m, double cell_m);
+
 /// Returns the key of the cell that contains a position, and the centre of the cell of a key.
 std::uint64_t CellKey(const Eigen::Vector2d& en_m, double cell_m);
 Eigen::Vector2d CellCentre(std::uint64_t key, double cell_m);
