@@ -22,7 +22,9 @@ struct ControlSimulation {
 };
 
 /// Simulates surveyed points on the ground that the strips pass, each with one laser return. A
-/// return has the noise of one end of a pair. Throws InvalidConfig if the strips see no ground.
+/// return has the noise of one end of a pair. The corners are peaks of gables whose roof and wall
+/// the strips see; they have no laser return. Throws InvalidConfig if the strips see no ground or
+/// too few gables.
 ControlData SimulateControl(const Scenario& scenario, const std::vector<StripInterval>& strips,
                             const std::shared_ptr<const TruthTrajectory>& truth,
                             const std::shared_ptr<const Terrain>& terrain,

@@ -201,7 +201,9 @@ std::string PairText(const PairScenario& pairs, bool several_scanners) {
 
 std::string ControlText(const ControlScenario& control) {
   return "{points: " + std::to_string(control.points) +
-         ", checks: " + std::to_string(control.checks) + ", sigma_m: [" +
+         ", checks: " + std::to_string(control.checks) +
+         ", corners: " + std::to_string(control.corners) +
+         ", corner_checks: " + std::to_string(control.corner_checks) + ", sigma_m: [" +
          Number(control.sigma_enu_m.x()) + ", " + Number(control.sigma_enu_m.y()) + ", " +
          Number(control.sigma_enu_m.z()) + "]}";
 }

@@ -383,14 +383,18 @@ PairScenario ReadPairScenario(const YamlValue& s, double gsd_m, bool several_sca
 
 ControlScenario ReadControlScenario(const YamlValue& s) {
   constexpr long kMostPoints = 1000;
-  ExpectMapOrAbsent(s, {"points", "checks", "sigma_m"});
+  ExpectMapOrAbsent(s, {"points", "checks", "corners", "corner_checks", "sigma_m"});
   ControlScenario control;
-  if (s["points"]) control.points = static_cast<long>(s["points"].Integer(0));
-  if (s["checks"]) control.checks = static_cast<long>(s["checks"].Integer(0));
+  const auto read = [&](const char* key, long* number) {
+    if (s[key]) *number = static_cast<long>(s[key].Integer(0));
+    if (*number > kMostPoints) s.Fail("all points together must be at most 1000");
+  };
+  read("points", &control.points);
+  read("checks", &control.checks);
+  read("corners", &control.corners);
+  read("corner_checks", &control.corner_checks);
   if (s["sigma_m"]) control.sigma_enu_m = ReadPositiveVector3(s["sigma_m"]);
-  if (control.points > kMostPoints || control.checks > kMostPoints - control.points) {
-    s.Fail("points and checks together must be at most 1000");
-  }
+  if (control.size() > kMostPoints) s.Fail("all points together must be at most 1000");
   return control;
 }
 

@@ -231,6 +231,25 @@ double Terrain::Surface(const Vector2d& en_m) const {
   return std::max(Ground(en_m), Objects(*this).Top(en_m));
 }
 
+Vector3d Gable::OnRoof(double back_m, double left_m) const {
+  const Vector2d left(-outward.y(), outward.x());
+  const Vector2d en_m = peak_m.head<2>() - back_m * outward + left_m * left;
+  return {en_m.x(), en_m.y(), peak_m.z() - slope * std::abs(left_m)};
+}
+
+std::optional<Gable> Terrain::GableAt(const Vector2d& en_m, bool at_end) const {
+  if (buildings_.cell_m <= 0.0) return std::nullopt;
+  const std::optional<Building> house = BuildingIn(CellAt(en_m, buildings_.cell_m));
+  if (!house || !house->gabled) return std::nullopt;
+  Gable gable;
+  gable.outward = at_end ? house->axis : Vector2d(-house->axis);
+  gable.slope = house->slope;
+  gable.half_width_m = house->half_width_m;
+  gable.peak_m.head<2>() = house->centre_en_m + house->half_length_m * gable.outward;
+  gable.peak_m.z() = Relief(house->centre_en_m) + house->RoofAcross(0.0);
+  return gable;
+}
+
 /// The surface below a ray. Results for one range are reused for the next ranges.
 class Terrain::AlongRay {
  public:

@@ -103,17 +103,22 @@ std::string ControlText(const Flight& flight, bool checks) {
     if (point.is_check != checks) continue;
     const Geodetic at = flight.frame.ToGeodetic(point.p_m);
     const Eigen::Vector3d sigma_m = point.covariance_m2.diagonal().cwiseSqrt();
-    const ControlReturn& one = point.returns.front();
     text += point.name;
-    for (const double value :
-         {kDegPerRad * at.lat_rad, kDegPerRad * at.lon_rad, at.h_m, sigma_m.x(), sigma_m.y(),
-          sigma_m.z(), one.t_s, one.u_s.x(), one.u_s.y(), one.u_s.z()}) {
-      text += ", " + FormatDouble(value);
+    const auto add = [&](std::initializer_list<double> values) {
+      for (const double value : values) text += ", " + FormatDouble(value);
+    };
+    add({kDegPerRad * at.lat_rad, kDegPerRad * at.lon_rad, at.h_m, sigma_m.x(), sigma_m.y(),
+         sigma_m.z()});
+    if (point.is_corner) {
+      text += ", -, -, -, -, corner\n";
+      continue;
     }
-    text += "\n";
+    const ControlReturn& one = point.returns.front();
+    add({one.t_s, one.u_s.x(), one.u_s.y(), one.u_s.z()});
+    text += ", surface\n";
   }
   if (text.empty()) return text;
-  return "name, lat, lon, height, sigma_e, sigma_n, sigma_h, t, ux, uy, uz\n" + text;
+  return "name, lat, lon, height, sigma_e, sigma_n, sigma_h, t, ux, uy, uz, shape\n" + text;
 }
 
 /// Returns the errors of the beams of a scanner; empty for a scanner with one beam.

@@ -156,4 +156,25 @@ TEST_F(CliControl, PointsWithoutAVectorAreFoundInTheStrips) {
   EXPECT_LT(control["checks_variance"].get<double>(), 3.0);
 }
 
+// Peaks of gables give horizontal checks without any laser vector.
+TEST_F(CliControl, CornersAreFoundInTheStrips) {
+  std::ofstream(Path("town.yaml"))
+      << With(StripScenario("kind: built_up"), "gsd_m: 0.7\n  pulse_rate_hz: 14000",
+              "gsd_m: 0.25\n  pulse_rate_hz: 100000");
+  const ProgramRun simulated =
+      RunProgram({"simulate", Path("town.yaml").string(), "--seed", "5", "--out",
+                  Path("town").string(), "--set", "control={corners: 3, corner_checks: 5}"});
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  EXPECT_THAT(FileContent(Path("town") / "control" / "checks.txt"), HasSubstr("-, corner"));
+  const ProgramRun run = Calibrate("town", "town_result");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json control = Result("town_result")["control"];
+  EXPECT_GE(control["points"].size(), 6u);
+  const Json& horizontal = control["accuracy"]["horizontal"];
+  ASSERT_FALSE(horizontal.is_null());
+  EXPECT_GE(horizontal["checks"], 3);
+  EXPECT_LT(horizontal["rmse_m"].get<double>(), 0.1);
+  EXPECT_LT(control["checks_variance"].get<double>(), 3.0);
+}
+
 }  // namespace dn::testing::apps_test

@@ -86,6 +86,23 @@ TEST(Control, AHeaderNamesTheColumnsInAnyOrderWithUnits) {
   }
 }
 
+TEST(Control, AColumnTellsCornersFromSurfaces) {
+  const ControlData data = Control()
+                               .Add("a.txt",
+                                    "name e n h sigma shape\nA 1 2 3 .02 corner\n"
+                                    "B 1 2 3 .02 Surface\nC 1 2 3 .02 -\n")
+                               .Read();
+  ASSERT_EQ(data.points.size(), 3u);
+  EXPECT_TRUE(data.points[0].is_corner);
+  EXPECT_FALSE(data.points[1].is_corner);
+  EXPECT_FALSE(data.points[2].is_corner);
+  Control().ExpectBad("name e n h sigma shape\nA 1 2 3 .02 sphere\n",
+                      "the shape is 'sphere', must be surface or corner", 2);
+  Control().ExpectBad(
+      "name e n h sigma shape normal_e normal_n normal_u\nA 1 2 3 .02 corner 0 0 1\n",
+      "a row with a normal is a plane", 2);
+}
+
 TEST(Control, GeographicAndGridCoordinatesGiveTheSamePoint) {
   // 46.571 deg north, 6.521 deg east in the UTM zone 32, from GeographicLib's GeoConvert.
   const ControlData geographic =

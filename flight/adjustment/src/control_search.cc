@@ -1,4 +1,5 @@
 #include <dn/adjustment/control_search.h>
+#include <dn/adjustment/facets.h>
 #include <dn/adjustment/result.h>
 #include <dn/median.h>
 #include <dn/rotation.h>
@@ -132,7 +133,15 @@ class SurfaceFitter {
 
 double SearchRadius(const FlightConfig& config, const ControlPoint& point) {
   if (point.plane && point.plane->extent_m > 0.0) return point.plane->extent_m;
-  return config.control.value_or(ControlConfig()).search_radius_m;
+  const ControlConfig control = config.control.value_or(ControlConfig());
+  return point.is_corner ? control.corner_radius_m : control.search_radius_m;
+}
+
+/// Removes the returns of a corner whose facets leave a coordinate undetermined.
+void ExpectDetermined(ControlPoint* corner) {
+  std::vector<Vector3d> normals;
+  for (const ControlReturn& one : corner->returns) normals.push_back(*one.normal_m);
+  if (!DetermineCorner(normals)) corner->returns.clear();
 }
 
 /// Collects the returns of a strip around control points.
@@ -142,15 +151,16 @@ class ReturnCollector {
                   const std::vector<ControlPoint*>& points)
       : flight_(flight), source_(source), mounting_(mounting), points_(points) {}
 
-  /// Adds to each point the return on the surface around it.
+  /// Adds to each point the return on the surface around it, or those on the facets of a corner.
   void Search(const std::filesystem::path& file) {
     near_.assign(points_.size(), {});
     source_.Read(file, [&](const LaserVectors& vectors) {
       for (std::size_t k = 0; k < vectors.size(); ++k) Take(vectors.t_s[k], vectors.u_s[k]);
     });
     for (std::size_t k = 0; k < points_.size(); ++k) {
-      const auto fit = FitSurface(near_[k], points_[k]->p_m);
-      if (fit) points_[k]->returns.push_back(OnSurface(*fit, k, file));
+      for (const SurfaceFit& fit : Surfaces(k)) {
+        points_[k]->returns.push_back(OnSurface(fit, k, file));
+      }
     }
   }
 
@@ -158,10 +168,20 @@ class ReturnCollector {
   void Take(double t_s, const Vector3d& u_s) {
     const Vector3d x_m = Georeference(source_.PoseAt(t_s), mounting_, u_s);
     for (std::size_t k = 0; k < points_.size(); ++k) {
-      const double radius_m = SearchRadius(flight_.config, *points_[k]);
+      const double radius_m =
+          (points_[k]->is_corner ? kSurroundings : 1.0) * SearchRadius(flight_.config, *points_[k]);
       if ((x_m - points_[k]->p_m).head<2>().squaredNorm() > radius_m * radius_m) continue;
       near_[k].push_back({x_m, t_s, u_s});
     }
+  }
+
+  std::vector<SurfaceFit> Surfaces(std::size_t point) const {
+    const ControlPoint& at = *points_[point];
+    if (at.is_corner) {
+      return FindFacets(near_[point], at.p_m, SearchRadius(flight_.config, at));
+    }
+    const auto fit = FitSurface(near_[point], at.p_m);
+    return fit ? std::vector{*fit} : std::vector<SurfaceFit>{};
   }
 
   /// Returns the return nearest to the point, with its end moved onto the surface.
@@ -217,6 +237,9 @@ long FindControlReturns(const Flight& flight, const StripSourceOptions& options,
   ReturnCollector collector(flight, source, mounting, points);
   for (const std::filesystem::path& file : FindStripFiles(flight.config, 0)) {
     collector.Search(file);
+  }
+  for (ControlPoint* point : points) {
+    if (point->is_corner) ExpectDetermined(point);
   }
   return std::count_if(points.begin(), points.end(),
                        [](const ControlPoint* point) { return !point->returns.empty(); });

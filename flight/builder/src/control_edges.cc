@@ -25,12 +25,12 @@ std::optional<Eigen::Vector3d> Normal(const ControlPoint& point, const ControlRe
 }
 
 /// Returns the directions in which the returns determine a point. For a plane it is the normal; for
-/// a point it is the vertical if all returns are on surfaces, else all three.
+/// a point it is the vertical if all returns are on the surface around it, else all three.
 Directions DeterminedDirections(const LocalFrame& frame, const ControlPoint& point) {
   if (point.plane) return point.plane->normal_m;
   const bool surfaces = std::all_of(point.returns.begin(), point.returns.end(),
                                     [](const ControlReturn& one) { return one.normal_m; });
-  if (surfaces) return frame.R_m_enu(point.p_m).col(2);
+  if (surfaces && !point.is_corner) return frame.R_m_enu(point.p_m).col(2);
   return Eigen::Matrix3d::Identity();
 }
 

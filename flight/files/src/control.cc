@@ -75,6 +75,7 @@ class ControlReader {
   /// Adds a further return of a point that an earlier row describes.
   static void AddReturn(const ControlPoint& row, ControlPoint* point) {
     const bool same = row.p_m == point->p_m && row.is_check == point->is_check &&
+                      row.is_corner == point->is_corner &&
                       row.plane.has_value() == point->plane.has_value();
     if (!same || row.returns.empty() || point->returns.empty()) {
       throw InvalidInput(
@@ -90,6 +91,7 @@ class ControlReader {
     ControlPoint point;
     point.name = row.name;
     point.where = row.where;
+    point.is_corner = row.is_corner;
     const Eigen::Matrix3d J_c_m = Place(row, &point.p_m);
     if (row.normal) {
       point.plane = ToPlane(row, J_c_m);

@@ -37,6 +37,7 @@ const std::vector<ControlNames>& AllControlNames() {
       {C::kNormalUp, {"normal_u", "normal_up"}},
       {C::kExtent, {"extent", "radius"}},
       {C::kRole, {"role"}},
+      {C::kShape, {"shape"}},
       {C::kSkip, {"skip", "code", "remark"}},
   };
   return all;

@@ -30,6 +30,7 @@ enum class ControlColumn {
   kNormalUp,
   kExtent,
   kRole,
+  kShape,
   kSkip,
 };
 

@@ -51,6 +51,12 @@ class RowReader {
     ReadSigmas(&row);
     ReadReturn(&row);
     if (const auto at = Given(C::kRole)) row.is_check = ReadRole(fields_[*at]);
+    if (const auto at = Given(C::kShape)) row.is_corner = ReadIsCorner(fields_[*at]);
+    if (row.is_corner && row.normal) {
+      Fail(
+          "a row with a normal is a plane, and cannot have the shape corner; leave one of them "
+          "out");
+    }
     return row;
   }
 
@@ -130,6 +136,14 @@ class RowReader {
     if (role == "observation" || role == "control") return false;
     Fail("the role is '" + WithoutControls(std::string(word.substr(0, kLongestName))) +
          "', must be observation or check");
+  }
+
+  bool ReadIsCorner(std::string_view word) const {
+    const std::string shape = LowerCase(word);
+    if (shape == "corner") return true;
+    if (shape == "surface") return false;
+    Fail("the shape is '" + WithoutControls(std::string(word.substr(0, kLongestName))) +
+         "', must be surface or corner");
   }
 
   const ControlColumns& columns_;

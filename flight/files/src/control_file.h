@@ -22,6 +22,7 @@ struct ControlRow {
   std::optional<double> t_s;              ///< time tag of a return
   Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
   std::optional<bool> is_check;  ///< absent: the file has no column `role`
+  bool is_corner = false;        ///< see ControlPoint
   FileLocation where;
 };
 

@@ -23,7 +23,7 @@ Eigen::Vector3d ReadSigmas(const YamlValue& value) {
 
 ControlConfig ReadControlSection(const YamlValue& section) {
   section.ExpectMap({"files", "crs", "sigma_enu_m", "laser_sigma_m", "datum_shift_sigma_m",
-                     "checks", "search_radius_m"});
+                     "checks", "search_radius_m", "corner_radius_m"});
   ControlConfig control;
   if (section["files"]) control.files = ReadTexts(section["files"], kMostFiles);
   if (section["crs"]) control.crs = ReadTextCrs(section["crs"]);
@@ -34,6 +34,7 @@ ControlConfig ReadControlSection(const YamlValue& section) {
   }
   if (section["checks"]) control.checks = ReadTexts(section["checks"], kMostChecks);
   control.search_radius_m = ReadPositiveOr(section["search_radius_m"], control.search_radius_m);
+  control.corner_radius_m = ReadPositiveOr(section["corner_radius_m"], control.corner_radius_m);
   return control;
 }
 

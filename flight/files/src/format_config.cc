@@ -254,6 +254,7 @@ void WriteControl(const ControlConfig& control, Writer& out) {
   out.Key(1, "datum_shift_sigma_m", sigmas(control.datum_shift_sigma_m));
   out.Key(1, "checks", NameList(control.checks));
   out.Key(1, "search_radius_m", Number(control.search_radius_m));
+  out.Key(1, "corner_radius_m", Number(control.corner_radius_m));
 }
 
 std::string Estimate(const EstimateEntry& entry) {

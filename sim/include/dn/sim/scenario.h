@@ -180,9 +180,13 @@ struct PairScenario {
 struct ControlScenario {
   long points = 0;  ///< observations
   long checks = 0;  ///< points that the assumed model withholds
+  /// Peaks of gables that are observations or checks. They have no laser vector: the estimator
+  /// finds them in the point clouds.
+  long corners = 0, corner_checks = 0;
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.01, 0.01, 0.015);
 
-  bool empty() const { return points + checks == 0; }
+  long size() const { return points + checks + corners + corner_checks; }
+  bool empty() const { return size() == 0; }
 };
 
 /// Entry of `effects:`: an error that the data contain and the assumed model lacks.

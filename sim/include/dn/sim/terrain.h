@@ -15,6 +15,18 @@ struct Plant;
 struct Scene;
 struct Tree;
 
+/// The gable at one end of a house: its peak is where the two sides of the roof meet the wall.
+struct Gable {
+  Eigen::Vector3d peak_m;   ///< east, north, up
+  Eigen::Vector2d outward;  ///< unit vector of the ridge, away from the house
+  double slope = 0.0;       ///< of the sides of the roof, rise over run
+  double half_width_m = 0.0;
+
+  /// Returns the point of the roof at distances from the peak: back along the ridge, and to the
+  /// left of the outward direction (negative: to the right).
+  Eigen::Vector3d OnRoof(double back_m, double left_m) const;
+};
+
 /// Surface of the Earth in m, as a height over east and north: undulating ground with roughness,
 /// water, buildings and trees according to the scenario. The same seed always gives the same
 /// surface. Plants that let light through and cars are not part of the surface; only TerrainCaster
@@ -29,6 +41,10 @@ class Terrain {
 
   /// Returns true if the ground is water: it is flat and reflects no laser pulses.
   bool Water(const Eigen::Vector2d& en_m) const;
+
+  /// Returns a gable of the house at a position: the one at the beginning or at the end of its
+  /// axis. Returns nullopt without a house with such a roof. A tree may cover it.
+  std::optional<Gable> GableAt(const Eigen::Vector2d& en_m, bool at_end) const;
 
   /// Bounds: no surface is higher than the first, no ground lower than the second.
   double highest_m() const { return highest_m_; }

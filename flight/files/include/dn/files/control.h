@@ -40,6 +40,10 @@ struct ControlPoint {
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();  ///< of p_m, map axes; of points
   std::optional<ControlPlane> plane;
+  /// Whether the point is where planar facets meet, such as the peak of a gable or of a pyramid.
+  /// Returns that are found in clouds lie on these facets and together observe all coordinates;
+  /// those of any other point lie on the ground around it and observe its height.
+  bool is_corner = false;
   std::vector<ControlReturn> returns;
   FileLocation where{};  ///< its first row
 };
@@ -59,6 +63,7 @@ bool HasControl(const FlightConfig& config);
 /// Throws InvalidInput with file:line for
 ///   - a row with another number of columns, and a value that is not a finite number;
 ///   - a sigma that is not positive, and a normal or laser vector without length;
+///   - an unknown role or shape, and a plane with the shape of a corner;
 ///   - coordinates outside of the coordinate system, and those that differ from an earlier row of
 ///     the same name.
 /// Also throws for a name of control.checks that no file has. Throws InvalidConfig if the

@@ -150,6 +150,7 @@ struct ControlConfig {
   std::optional<Eigen::Vector3d> datum_shift_sigma_m;
   std::vector<std::string> checks;  ///< names of points that are withheld
   double search_radius_m = 1.0;     ///< of the returns around a point without a laser vector
+  double corner_radius_m = 3.0;     ///< the same for a corner
 };
 
 /// The content of flight.yaml, checked, with defaults, converted to SI, radian and
