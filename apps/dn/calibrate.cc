@@ -258,9 +258,9 @@ void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
   AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->ToMapPoses(flight.frame)), run);
   AddPairFiles(flight, pairs, suffix, run);
-  run->AddFile("result" + suffix + ".json",
-               ResultText(flight.config, CalibrationJson(flight.config.name, gh.calibration,
-                                                         gh.check, pairs, gh.timings)));
+  Json json = CalibrationJson(flight.config.name, gh.calibration, gh.check, pairs, gh.timings);
+  AddBeamsJson(gh.calibration.beams, true, &json);
+  run->AddFile("result" + suffix + ".json", ResultText(flight.config, std::move(json)));
 }
 
 /// Says that a method on a fixed trajectory does not use the control of the flight.
@@ -282,9 +282,10 @@ void RunGaussHelmert(const CalibrateOptions& options, const FlightConfig& config
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   FillReport(flight, gh, &run);
   PrintGaussHelmert(flight.config, gh.calibration, gh.timings);
+  fmt::print("{}", BeamsSummary(gh.calibration.beams, true));
   if (options.georef) {
-    AddNewStrips(flight.config, {{flight.config.lidar->name, &gh.calibration.boresight}}, {},
-                 nullptr, &run);
+    AddNewStrips(flight.config, {{flight.config.lidar->name, &gh.calibration.boresight}},
+                 gh.calibration.beams, nullptr, &run);
   }
   FailUnlessReliable({{kTheBoresight, &gh.calibration.boresight}});
 }
@@ -299,9 +300,10 @@ PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight
 
 void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std::string& suffix,
                    Run* run) {
-  run->AddFile("result" + suffix + ".json",
-               ResultText(config, CalibrationJson(config.name, planes.calibration, planes.check,
-                                                  planes.strips, planes.timings)));
+  Json json =
+      CalibrationJson(config.name, planes.calibration, planes.check, planes.strips, planes.timings);
+  AddBeamsJson(planes.calibration.beams, true, &json);
+  run->AddFile("result" + suffix + ".json", ResultText(config, std::move(json)));
   run->report()["planes"] = PlaneReportJson(planes);
 }
 
@@ -323,9 +325,10 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
                                {"solve", planes.timings.solve_s},
                                {"covariance", planes.timings.covariance_s}};
   PrintPlaneRun(flight.config, planes);
+  fmt::print("{}", BeamsSummary(planes.calibration.beams, true));
   if (options.georef) {
-    AddNewStrips(flight.config, {{flight.config.lidar->name, &planes.calibration.boresight}}, {},
-                 nullptr, &run);
+    AddNewStrips(flight.config, {{flight.config.lidar->name, &planes.calibration.boresight}},
+                 planes.calibration.beams, nullptr, &run);
   }
   FailUnlessReliable({{kTheBoresight, &planes.calibration.boresight}});
 }
@@ -386,6 +389,7 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   }
   run.AddFile("comparison.json", FormatJson(ComparisonJson(config.name, methods, absent)));
   PrintNetwork(*network.flight_run, network.boresight, network.unknowns);
+  fmt::print("{}", BeamsSummary(network.beams, true));
   PrintGaussHelmert(config, gh.calibration, gh.timings);
   PrintDifference("gh - dn", Compare(gh.calibration.boresight, network.boresight));
   PrintPlanesOrReason(config, planes, network.boresight);

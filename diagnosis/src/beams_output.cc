@@ -60,8 +60,8 @@ std::string Refusal(const BeamCorrections& beams) {
     text += fmt::format("  not observable: beam{} {}: {}\n", numbers.size() > 1 ? "s" : "",
                         NumberWords(numbers), reason);
   };
-  add(without_pairs, "no pair has an end there");
-  add(weak, "the pairs say less about it than the prior of lidar.beams");
+  add(without_pairs, "no point of it was used");
+  add(weak, "the data say less about it than the prior of lidar.beams");
   return text;
 }
 

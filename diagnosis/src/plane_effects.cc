@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-/// Normal equations of the boresight and, if estimated, the range offset, with the effects of the
+/// Normal equations of the boresight and the other unknowns of the problem, with the effects of the
 /// scanner on their right-hand side. Planes are eliminated one by one.
 class PlaneShifts {
  public:
@@ -52,13 +52,13 @@ class PlaneShifts {
           plane.points[k], plane.sigma_m, calibration_.problem.lever_arm_b_m,
           calibration_.adjustment.boresight_rad, calibration_.adjustment.range_offset_m, state);
       const double weight = 1.0 / at.variance_m2;
-      Eigen::VectorXd a(unknowns_);
-      a.head<3>() = at.J_theta;
-      if (unknowns_ > 3) a[3] = at.J_range;
+      const PlaneUnknownRow unknowns(calibration_.problem, plane.points[k], at);
       const Eigen::RowVectorXd row = state.normal.transpose() * PointColumns(plane.points[k].end);
-      *right += weight * a * row;
+      for (std::size_t i = 0; i < unknowns.size; ++i) {
+        right->row(unknowns.at[i]) += weight * unknowns.value[i] * row;
+        X.row(unknowns.at[i]) += weight * unknowns.value[i] * at.J_plane.transpose();
+      }
       Q += weight * at.J_plane * at.J_plane.transpose();
-      X += weight * a * at.J_plane.transpose();
       Y += weight * at.J_plane * row;
     }
     if (any) *right -= X * Eigen::Matrix3d(Q.inverse()) * Y;

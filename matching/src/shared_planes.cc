@@ -249,6 +249,7 @@ Strips OnTrajectory(const StripPlanes& planes, const TrajectoryEnds& ends, doubl
       part.rms_m = plane.rms_m;
       for (std::size_t k = 0; k < plane.t_s.size(); ++k) {
         part.points.push_back(ends.At(plane.t_s[k], plane.u_s[k]));
+        part.points.back().beam = plane.beam[k];
         sum_m += plane.u_s[k].norm();
         n += 1.0;
       }

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/lidar/beam.h>
 #include <dn/matching/point_cloud.h>
 #include <dn/matching/strip_planes.h>
 #include <dn/median.h>
@@ -89,6 +90,7 @@ Selection Select(const MatchSource& source, const StripPlaneOptions& options) {
 
 struct TilePoints {
   RawPoints raw;
+  std::vector<int> beam;
   std::vector<Vector3d> p_m;
 };
 
@@ -106,6 +108,7 @@ std::vector<TilePoints> ReadTiles(const MatchSource& source, std::size_t strip,
       TilePoints& of_tile = out[static_cast<std::size_t>(found - tiles.begin())];
       of_tile.raw.t_s.push_back(points.t_s[i]);
       of_tile.raw.x.push_back(points.x[i]);
+      of_tile.beam.push_back(points.beam.empty() ? kNoBeam : points.beam[i]);
       of_tile.p_m.push_back(p_m[i]);
     }
   });
@@ -121,6 +124,7 @@ StripPlane Take(const TilePoints& points, const std::vector<std::size_t>& thinne
     const std::size_t i = thinned[region.points[k * region.points.size() / n]];
     plane.t_s.push_back(points.raw.t_s[i]);
     plane.u_s.push_back(points.raw.x[i]);
+    plane.beam.push_back(points.beam[i]);
   }
   return plane;
 }

@@ -105,6 +105,43 @@ TEST(PlaneFlight, RecoversTheBoresight) {
               HasSubstr("changes the distance of a point from its plane"));
 }
 
+// Errors of the beams that are larger than the noise move points off their planes.
+TEST(PlaneFlight, RecoversTheBeams) {
+  const double angle_rad[] = {1.5e-3, -1e-3, 0.5e-3, -1e-3}, range_m[] = {0.03, -0.04, 0.02, -0.01};
+  PlaneFlight test;
+  std::vector<ObservedPlane> planes = test.Planes(60, 0.6);
+  const LidarConfig& lidar = *test.flight.config.lidar;
+  int next = 0;
+  for (ObservedPlane& plane : planes) {
+    for (PlanePoint& point : plane.points) {
+      const int beam = next++ % 4;
+      const Vector3d u_s = lidar.mounting.R_bs_nominal.transpose() * point.end.u_b;
+      const Vector3d about = u_s.cross(lidar.scan_axis_s).normalized();
+      const Vector3d measured_s =
+          (1.0 + range_m[beam] / u_s.norm()) * (Exp(Vector3d(-angle_rad[beam] * about)) * u_s);
+      point.end.beam = beam;
+      point.end.u_b = lidar.mounting.R_bs_nominal * measured_s;
+    }
+  }
+  const PlaneCalibration without = CalibratePlanes(test.flight, planes);
+  EXPECT_TRUE(without.beams.empty());
+  test.flight.config.lidar->beams.emplace().count = 4;
+  const PlaneCalibration result = CalibratePlanes(test.flight, planes);
+  EXPECT_LT(result.figures.sigma0, 0.5 * without.figures.sigma0);
+  const Vector3d error = BoresightError(result.boresight.angles_rad, test.truth_rad);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(error[i]), 4.0 * result.boresight.sigma_rad()[i]);
+  ASSERT_EQ(result.beams.size(), 2u);
+  for (const BeamCorrections& beams : result.beams) {
+    const bool is_angle = beams.unit == "deg";
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double truth = is_angle ? kDegPerRad * angle_rad[k] : range_m[k];
+      EXPECT_TRUE(beams.IsObservable(k)) << beams.unknown.name << " " << k;
+      EXPECT_NEAR(beams.value[k], truth, 4.0 * beams.sigma[k]) << beams.unknown.name << " " << k;
+      EXPECT_EQ(beams.unknown.ends[k], 60 * 3 * 20 / 4);
+    }
+  }
+}
+
 TEST(PlaneFlight, ResultFileHasTheKeysOfAllMethods) {
   PlaneFlight test;
   test.flight.config.estimate.push_back({.unknown = "lidar_range_offset", .sigma = {0.5}});

@@ -32,14 +32,12 @@ class CliBeams : public CalibratedFlight {
       "range_error_m: [0.02, -0.02, -0.03, 0.03]}";
 };
 
-TEST_F(CliBeams, TheResultHasTheCorrectionsOfTheBeams) {
-  ASSERT_EQ(run_->exit_code, 0) << run_->err;
-  const Json beams = LoadJson(fs::path(Path("result")) / "result.json")["beams"];
-  ASSERT_EQ(beams.size(), 1u);
+/// Expects the corrections that the flight was simulated with, within four sigmas.
+void ExpectTrueCorrections(const Json& beams) {
   const double truth_deg[] = {0.1, -0.05, 0.05, -0.1}, truth_m[] = {0.02, -0.02, -0.03, 0.03};
   for (std::size_t k = 0; k < 4; ++k) {
     const auto expect_near = [&](const char* key, double truth) {
-      const Json& corrections = beams[0][key];
+      const Json& corrections = beams[key];
       ASSERT_TRUE(corrections["observable"][k].get<bool>()) << key << k;
       EXPECT_NEAR(corrections["value"][k].get<double>(), truth,
                   4.0 * corrections["sigma"][k].get<double>())
@@ -47,8 +45,15 @@ TEST_F(CliBeams, TheResultHasTheCorrectionsOfTheBeams) {
     };
     expect_near("angle", truth_deg[k]);
     expect_near("range_offset", truth_m[k]);
-    EXPECT_GT(beams[0]["ends"][k].get<long>(), 100);
   }
+}
+
+TEST_F(CliBeams, TheResultHasTheCorrectionsOfTheBeams) {
+  ASSERT_EQ(run_->exit_code, 0) << run_->err;
+  const Json beams = LoadJson(fs::path(Path("result")) / "result.json")["beams"];
+  ASSERT_EQ(beams.size(), 1u);
+  ExpectTrueCorrections(beams[0]);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_GT(beams[0]["ends"][k].get<long>(), 100);
   EXPECT_THAT(run_->out, HasSubstr("beam angles [deg], correction relative to their mean"));
   const std::string page = FileContent(fs::path(Path("result")) / "report.html");
   EXPECT_THAT(page, HasSubstr("How do the beams differ?"));
@@ -157,6 +162,18 @@ TEST_F(CliBeams, GeoreferencingTakesTheirErrorsOut) {
   EXPECT_THAT(early.err, HasSubstr("calibrate without --georef"));
   EXPECT_THAT(early.err, ::testing::Not(HasSubstr("final least squares")));
   fs::remove_all(Path("flight") + "/strips");
+}
+
+// The Gauss-Helmert adjustment finds the same corrections on the smoothed trajectory.
+TEST_F(CliBeams, TheGaussHelmertAdjustmentEstimatesThem) {
+  ASSERT_EQ(RunProgram({"smooth", Path("flight"), "--out", Path("smoothed")}).exit_code, 0);
+  const ProgramRun run = RunProgram({"calibrate", Path("flight"), "--method", "gh", "--trajectory",
+                                     Path("smoothed") + "/trajectory.out", "--out", Path("gh")});
+  EXPECT_THAT(run.out, HasSubstr("beam angles [deg], correction relative to their mean"));
+  const Json beams = LoadJson(fs::path(Path("gh")) / "result.json")["beams"];
+  ExpectTrueCorrections(beams[0]);
+  EXPECT_EQ(beams[0]["ends"],
+            LoadJson(fs::path(Path("result")) / "result.json")["beams"][0]["ends"]);
 }
 
 TEST_F(CliBeams, WithoutTheKeyTheyAreNotUnknowns) {

@@ -112,8 +112,8 @@ TEST(BeamCorrections, ThatThePairsDoNotShowAreRefused) {
   EXPECT_NEAR(all[1].sigma[3], 0.03, 1e-9);
   EXPECT_NEAR(all[0].sigma[5], all[0].prior_sigma[5], 0.1 * all[0].prior_sigma[5]);
   const std::string text = BeamsSummary(all, true);
-  EXPECT_THAT(text, HasSubstr("not observable: beam 3: no pair has an end there"));
-  EXPECT_THAT(text, HasSubstr("not observable: beams 0 to 2 and 4 to 15: the pairs say less"));
+  EXPECT_THAT(text, HasSubstr("not observable: beam 3: no point of it was used"));
+  EXPECT_THAT(text, HasSubstr("not observable: beams 0 to 2 and 4 to 15: the data say less"));
   Json json;
   AddBeamsJson(all, true, &json);
   EXPECT_EQ(json["beams"][0]["ends"][3], 0);

@@ -36,7 +36,7 @@ Table CorrectionTable(const Facts& scanner) {
               {"beam", "ends of pairs", "angle [deg]", "sigma [deg]", "range [m]", "sigma [m]"},
               {}};
   table.note =
-      "A beam is not observable if the pairs say less about it than the prior of lidar.beams. The "
+      "A beam is not observable if the data say less about it than the prior of lidar.beams. The "
       "mean angle of all beams is part of the boresight, the mean range that of a range offset.";
   for (std::size_t k = 0; k < scanner["ends"].elements().size(); ++k) {
     std::vector<Cell> cells{scanner["ends"][k].Count()};

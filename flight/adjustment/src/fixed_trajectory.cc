@@ -132,9 +132,15 @@ void AddNotEstimated(const FlightConfig& config, const std::vector<std::string>&
     if (HasName(estimated, entry.unknown)) continue;
     boresight->reasons.push_back({facts::NotEstimated{entry.unknown, because}});
   }
-  if (config.lidar && config.lidar->beams) {
-    boresight->reasons.push_back({facts::NotEstimated{"the error of each beam", because}});
-  }
+}
+
+void AddBeamsNotEstimated(const FlightConfig& config, const std::vector<BeamCorrections>& beams,
+                          BoresightResult* boresight) {
+  if (!config.lidar || !config.lidar->beams || !beams.empty()) return;
+  boresight->reasons.push_back({facts::NotEstimated{
+      "the error of each beam", config.gh.libor_compat
+                                    ? "gh.libor_compat has the model of libor, without beams"
+                                    : "the data name no beams, or lidar.beams has sigmas of 0"}});
 }
 
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,

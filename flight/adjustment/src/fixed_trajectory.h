@@ -74,6 +74,10 @@ void AddGeometryReasons(const facts::AttitudeInPairs& attitude, const StripDiver
 void AddNotEstimated(const FlightConfig& config, const std::vector<std::string>& estimated,
                      const char* because, BoresightResult* boresight);
 
+/// Adds a reason if flight.yaml has beams, but their corrections are not estimated.
+void AddBeamsNotEstimated(const FlightConfig& config, const std::vector<BeamCorrections>& beams,
+                          BoresightResult* boresight);
+
 /// Adds the reason why the reliable sigmas are larger than those of the normal matrix, if they are.
 void AddWideningReason(const CorrelatedErrorCovariance& scatter, const TrajectoryAccuracy& accuracy,
                        const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);

@@ -96,7 +96,9 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   AddWideningReason(calibration->scatter, calibration->accuracy, calibration->constant_rad2,
                     &boresight);
   AddNotEstimated(flight.config, {"boresight"},
-                  "the Gauss-Helmert adjustment estimates the boresight only", &boresight);
+                  "the Gauss-Helmert adjustment estimates the boresight and beams only",
+                  &boresight);
+  AddBeamsNotEstimated(flight.config, calibration->beams, &boresight);
 }
 
 }  // namespace adjustment_internal

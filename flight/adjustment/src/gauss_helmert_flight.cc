@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "beam_corrections.h"
 #include "fixed_trajectory.h"
 #include "gauss_helmert_assessment.h"
 
@@ -45,6 +46,8 @@ GaussHelmertPair MakePair(const Flight& flight, const LidarPair& pair, const Tra
   GaussHelmertPair condition;
   condition.i = ends.At(pair.t_i_s, pair.u_i_s, deviation);
   condition.j = ends.At(pair.t_j_s, pair.u_j_s, deviation);
+  condition.i.beam = pair.beam_i;
+  condition.j.beam = pair.beam_j;
   condition.covariance_m2 =
       pair.covariance_m2.value_or(sigma_p_m * sigma_p_m * Eigen::Matrix3d::Identity());
   return condition;
@@ -67,9 +70,27 @@ GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
 void FillFigures(GaussHelmertCalibration* calibration) {
   const GaussHelmertResult& adjustment = calibration->adjustment;
   AdjustmentFigures& figures = calibration->figures;
-  figures.parameters = 3;
+  figures.parameters = 3 + adjustment.laser.size();
   figures.outliers = adjustment.outliers;
   figures.correspondences = adjustment.pairs_kept;
+}
+
+/// Returns the ends of all pairs; none if libor's model is wanted, which knows no beams.
+std::vector<GaussHelmertEnd*> AllEnds(const FlightConfig& config, GaussHelmertProblem* problem) {
+  std::vector<GaussHelmertEnd*> ends;
+  if (config.gh.libor_compat) return ends;
+  for (GaussHelmertPair& pair : problem->pairs) {
+    ends.push_back(&pair.i);
+    ends.push_back(&pair.j);
+  }
+  return ends;
+}
+
+Eigen::VectorXd LaserVariance(const GaussHelmertCalibration& calibration) {
+  const GaussHelmertResult& adjustment = calibration.adjustment;
+  return ReliableVarianceFactor(adjustment.sigma0, adjustment.chi2, adjustment.redundancy) *
+             adjustment.laser_covariance_apriori.diagonal() +
+         calibration.scatter.other_variances;
 }
 
 }  // namespace
@@ -115,7 +136,12 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   calibration.accuracy = ReadTrajectoryAccuracy(flight, calibration.problem);
   adjustment_internal::Announce(options, "Gauss-Helmert adjustment");
   calibration.options = MakeOptions(flight.config, options.threads);
-  calibration.adjustment = AdjustGaussHelmert(calibration.problem, calibration.options);
+  adjustment_internal::BeamAdjustment beams(flight, AllEnds(flight.config, &calibration.problem),
+                                            "a pair");
+  beams.Run(&calibration.problem.laser, [&] {
+    calibration.adjustment = AdjustGaussHelmert(calibration.problem, calibration.options);
+    return calibration.adjustment.laser;
+  });
   adjustment_internal::ExpectConverged(calibration.adjustment.converged,
                                        calibration.adjustment.iterations,
                                        "the Gauss-Helmert adjustment", "pairs");
@@ -131,6 +157,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
       adjustment_internal::MakeScatterOptions(calibration.accuracy, strips));
   adjustment_internal::FillBoresight(calibration.scatter, &calibration);
   FillFigures(&calibration);
+  if (beams.any())
+    calibration.beams = beams.Corrections(calibration.adjustment.laser, LaserVariance(calibration));
   adjustment_internal::Assess(flight, &calibration);
   calibration.covariance_time_s = watch.seconds();
   return calibration;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "beam_corrections.h"
 #include "fixed_trajectory.h"
 
 namespace dn {
@@ -72,7 +73,9 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
                                          calibration->constant_rad2, &boresight);
   adjustment_internal::AddNotEstimated(
       flight.config, {"boresight", EffectName(kRangeOffset)},
-      "the plane adjustment estimates the boresight and lidar_range_offset only", &boresight);
+      "the plane adjustment estimates the boresight, lidar_range_offset and beams only",
+      &boresight);
+  adjustment_internal::AddBeamsNotEstimated(flight.config, calibration->beams, &boresight);
 }
 
 void FillFigures(PlaneCalibration* calibration) {
@@ -92,6 +95,22 @@ void FillUnknowns(PlaneCalibration* calibration) {
       factor * adjustment.covariance_apriori(3, 3) + calibration->scatter.range_offset_m2;
   calibration->unknowns.push_back(
       {EffectName(kRangeOffset), "m", {adjustment.range_offset_m}, {std::sqrt(variance_m2)}});
+}
+
+std::vector<GaussHelmertEnd*> AllEnds(PlaneProblem* problem) {
+  std::vector<GaussHelmertEnd*> ends;
+  for (ObservedPlane& plane : problem->planes) {
+    for (PlanePoint& point : plane.points) ends.push_back(&point.end);
+  }
+  return ends;
+}
+
+Eigen::VectorXd LaserVariance(const PlaneCalibration& calibration) {
+  const PlaneAdjustment& adjustment = calibration.adjustment;
+  const Eigen::Index beams = adjustment.laser.size();
+  return ReliableVarianceFactor(adjustment.sigma0, adjustment.chi2, adjustment.redundancy) *
+             adjustment.covariance_apriori.diagonal().tail(beams) +
+         calibration.scatter.trajectory.other_variances.tail(beams);
 }
 
 std::vector<const GaussHelmertEnd*> KeptEnds(const PlaneCalibration& calibration) {
@@ -153,7 +172,11 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
   adjustment_internal::Announce(options, "plane adjustment");
   PlaneAdjustmentOptions adjust;
   adjust.threads = options.threads;
-  calibration.adjustment = AdjustPlanes(calibration.problem, adjust);
+  adjustment_internal::BeamAdjustment beams(flight, AllEnds(&calibration.problem), "a point");
+  beams.Run(&calibration.problem.laser, [&] {
+    calibration.adjustment = AdjustPlanes(calibration.problem, adjust);
+    return calibration.adjustment.laser;
+  });
   ExpectEnoughPlanes(calibration.adjustment, calibration.problem.planes.size());
   adjustment_internal::ExpectConverged(calibration.adjustment.converged,
                                        calibration.adjustment.iterations, "the plane adjustment",
@@ -173,6 +196,8 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<ObservedPlane
   adjustment_internal::FillBoresight(calibration.scatter.trajectory, &calibration);
   FillFigures(&calibration);
   FillUnknowns(&calibration);
+  if (beams.any())
+    calibration.beams = beams.Corrections(calibration.adjustment.laser, LaserVariance(calibration));
   Assess(flight, &calibration);
   calibration.covariance_time_s = watch.seconds();
   return calibration;

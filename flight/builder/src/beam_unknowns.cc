@@ -20,13 +20,7 @@ constexpr double kMeanOverSigma = 1e-3;
 /// Returns the number of ends of pairs of each beam of a scanner.
 std::vector<long> CountEnds(const Flight& flight, std::size_t scanner, std::size_t beams) {
   if (!flight.pairs) return std::vector<long>(beams, 0);
-  const BeamEnds ends = CountBeamEnds(flight.pairs->pairs, scanner, beams);
-  if (ends.of_beam.size() > beams) {
-    throw InvalidInput("a pair has beam " + std::to_string(ends.of_beam.size() - 1) +
-                       ", but its scanner has " + std::to_string(beams) +
-                       " beams, numbered from 0");
-  }
-  return ends.of_beam;
+  return CountBeamEnds(flight.pairs->pairs, scanner, beams).of_beam;
 }
 
 }  // namespace
@@ -38,20 +32,37 @@ double BeamUnknown::PriorSigma(std::size_t k) const {
   return sigma * std::sqrt(1.0 - 1.0 / static_cast<double>(NumMeasured()));
 }
 
-std::vector<BeamUnknown> FindBeamUnknowns(const Flight& flight) {
+std::vector<BeamUnknown> MakeBeamUnknowns(const FlightConfig& config, std::size_t scanner,
+                                          std::vector<long> ends, const char* what) {
   using Kind = BeamUnknown::Kind;
+  const std::optional<BeamConfig>& beams = ScannerAt(config, scanner).beams;
+  if (!beams) return {};
+  if (ends.size() > beams->count) {
+    throw InvalidInput(std::string(what) + " has beam " + std::to_string(ends.size() - 1) +
+                       ", but its scanner has " + std::to_string(beams->count) +
+                       " beams, numbered from 0");
+  }
+  ends.resize(beams->count, 0);
+  std::vector<BeamUnknown> unknowns;
+  if (NumMeasuredBeams(ends) == 0) return unknowns;
+  const auto add = [&](Kind kind, const char* name, double sigma) {
+    if (sigma == 0.0) return;
+    unknowns.push_back({kind, scanner, ScannerName(config, name, scanner), sigma, ends});
+  };
+  add(Kind::kAngle, kAngleName, beams->angle_sigma_rad);
+  add(Kind::kRange, kRangeName, beams->range_sigma_m);
+  return unknowns;
+}
+
+std::vector<BeamUnknown> FindBeamUnknowns(const Flight& flight) {
   std::vector<BeamUnknown> unknowns;
   for (std::size_t k = 0; k < NumScanners(flight.config); ++k) {
     const std::optional<BeamConfig>& beams = ScannerAt(flight.config, k).beams;
     if (!beams) continue;
-    const std::vector<long> ends = CountEnds(flight, k, beams->count);
-    if (NumMeasuredBeams(ends) == 0) continue;
-    const auto add = [&](Kind kind, const char* name, double sigma) {
-      if (sigma == 0.0) return;
-      unknowns.push_back({kind, k, ScannerName(flight.config, name, k), sigma, ends});
-    };
-    add(Kind::kAngle, kAngleName, beams->angle_sigma_rad);
-    add(Kind::kRange, kRangeName, beams->range_sigma_m);
+    for (BeamUnknown& unknown :
+         MakeBeamUnknowns(flight.config, k, CountEnds(flight, k, beams->count), "a pair")) {
+      unknowns.push_back(std::move(unknown));
+    }
   }
   return unknowns;
 }

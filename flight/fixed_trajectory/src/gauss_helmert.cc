@@ -19,8 +19,11 @@ namespace dn {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 using fixed_trajectory_internal::EndTerms;
+using fixed_trajectory_internal::LaserColumns;
 
 constexpr std::size_t kChunk = 2048;  // pairs per partial sum
 constexpr double kRoundingM = 1e-6;   // smaller differences are never outliers
@@ -37,7 +40,8 @@ bool PositiveAndFinite(const Vector3d& sigma) {
   return sigma.allFinite() && sigma.minCoeff() > 0.0;
 }
 
-void CheckEnd(const GaussHelmertEnd& end, std::size_t k, const char* which) {
+void CheckEnd(const GaussHelmertEnd& end, const LaserUnknowns& laser, std::size_t k,
+              const char* which) {
   constexpr double kUnit = 1e-6;
   if (!end.q_mb.coeffs().allFinite() || !end.q_mn.coeffs().allFinite() || !end.p_mb.allFinite()) {
     throw InvalidInput(EndName(k, which) + ": the pose is not finite");
@@ -52,6 +56,7 @@ void CheckEnd(const GaussHelmertEnd& end, std::size_t k, const char* which) {
     throw InvalidInput(EndName(k, which) +
                        ": a sigma of the trajectory is not positive and finite");
   }
+  fixed_trajectory_internal::CheckLaserTerms(end.laser, laser, EndName(k, which));
 }
 
 bool SameEnd(const GaussHelmertEnd& a, const GaussHelmertEnd& b) {
@@ -65,6 +70,7 @@ void CheckProblem(const GaussHelmertProblem& problem) {
   if (problem.boresight_sigma_rad && !PositiveAndFinite(*problem.boresight_sigma_rad)) {
     throw InvalidInput("the sigma of the initial boresight is not positive and finite");
   }
+  fixed_trajectory_internal::CheckLaserUnknowns(problem.laser);
   const std::vector<GaussHelmertPair>& pairs = problem.pairs;
   if (pairs.size() < 2) {
     throw InvalidInput("the boresight needs at least two point pairs, but the problem has " +
@@ -72,8 +78,8 @@ void CheckProblem(const GaussHelmertProblem& problem) {
   }
   bool different = false;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    CheckEnd(pairs[k].i, k, "i");
-    CheckEnd(pairs[k].j, k, "j");
+    CheckEnd(pairs[k].i, problem.laser, k, "i");
+    CheckEnd(pairs[k].j, problem.laser, k, "j");
     if (!pairs[k].covariance_m2.allFinite() ||
         Eigen::LLT<Matrix3d>(pairs[k].covariance_m2).info() != Eigen::Success) {
       throw InvalidInput("pair " + std::to_string(k) +
@@ -91,15 +97,82 @@ void CheckProblem(const GaussHelmertProblem& problem) {
 struct NormalSums {
   Matrix3d N = Matrix3d::Zero();
   Vector3d g = Vector3d::Zero();  // A^T S w~
+  // The same of the laser unknowns, and their rows with the columns of the boresight.
+  MatrixXd N_laser, cross;
+  VectorXd g_laser;
   double chi2 = 0.0;
   double chi2_conditions = 0.0;
+
+  explicit NormalSums(Eigen::Index laser = 0)
+      : N_laser(MatrixXd::Zero(laser, laser)),
+        cross(MatrixXd::Zero(laser, 3)),
+        g_laser(VectorXd::Zero(laser)) {}
+
+  void AddLaser(const LaserColumns& columns, const Matrix3d& S, const Matrix3d& A,
+                const Vector3d& w) {
+    for (int a = 0; a < columns.size(); ++a) {
+      const Eigen::Index row = columns.unknown[static_cast<std::size_t>(a)];
+      const Eigen::RowVector3d aS = columns.A.col(a).transpose() * S;
+      cross.row(row) += aS * A;
+      g_laser[row] += aS.dot(w);
+      for (int b = 0; b < columns.size(); ++b) {
+        N_laser(row, columns.unknown[static_cast<std::size_t>(b)]) += aS.dot(columns.A.col(b));
+      }
+    }
+  }
 
   void operator+=(const NormalSums& other) {
     N += other.N;
     g += other.g;
+    N_laser += other.N_laser;
+    cross += other.cross;
+    g_laser += other.g_laser;
     chi2 += other.chi2;
     chi2_conditions += other.chi2_conditions;
   }
+};
+
+/// Changes of the unknowns.
+struct Change {
+  Vector3d boresight = Vector3d::Zero();
+  VectorXd laser;
+};
+
+/// Solves the normal equations with the laser unknowns eliminated.
+class NormalSolver {
+ public:
+  explicit NormalSolver(const NormalSums& sums) : sums_(sums), N_(sums.N) {
+    if (sums.g_laser.size() == 0) return;
+    laser_.compute(sums.N_laser);
+    N_ -= sums.cross.transpose() * laser_.solve(sums.cross);
+  }
+
+  /// Returns the normal matrix of the boresight alone.
+  const Matrix3d& N() const { return N_; }
+
+  Change Solve() const {
+    Change change;
+    if (sums_.g_laser.size() == 0) {
+      change.boresight = -N_.llt().solve(sums_.g);
+      return change;
+    }
+    const Vector3d g = sums_.g - sums_.cross.transpose() * laser_.solve(sums_.g_laser);
+    change.boresight = -N_.llt().solve(g);
+    change.laser = -laser_.solve(sums_.g_laser + sums_.cross * change.boresight);
+    return change;
+  }
+
+  /// Returns the covariance of the laser unknowns.
+  MatrixXd LaserCovariance() const {
+    if (sums_.g_laser.size() == 0) return {};
+    const MatrixXd N = sums_.N_laser - sums_.cross * sums_.N.llt().solve(sums_.cross.transpose());
+    return N.llt().solve(MatrixXd::Identity(N.rows(), N.cols()));
+  }
+
+ private:
+  const NormalSums& sums_;
+  Matrix3d N_;
+  Eigen::LLT<MatrixXd> laser_;
 };
 
 class Adjuster {
@@ -109,6 +182,7 @@ class Adjuster {
         options_(options),
         model_(options.libor_compat ? BoresightModel::kSmallAngle : options.model),
         theta_(problem.boresight_rad),
+        laser_(VectorXd::Zero(problem.laser.size())),
         R_me_(problem.q_me.toRotationMatrix()) {
     const std::size_t n = problem.pairs.size();
     result_.weights.assign(n, 1.0);
@@ -132,6 +206,7 @@ class Adjuster {
   struct PairTerms {
     Vector3d w;  // w~ = w - B v
     Matrix3d A, S;
+    LaserColumns laser;
     fixed_trajectory_internal::PoseNoise noise_i, noise_j;
     Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude covariance
   };
@@ -142,15 +217,27 @@ class Adjuster {
     ParallelForChunks(problem_.pairs.size(), kChunk, options_.threads, work);
   }
 
+  bool has_laser() const { return laser_.size() > 0; }
+
+  /// Returns the laser vector at the present laser unknowns.
+  Vector3d Vector(const GaussHelmertEnd& end) const {
+    return has_laser() ? Vector3d(end.u_b + VectorChange(end.laser, laser_)) : end.u_b;
+  }
+
   PairTerms Terms(std::size_t k) const {
     const GaussHelmertPair& pair = problem_.pairs[k];
     const PairCorrection& v = result_.corrections[k];
     const EndTerms i = fixed_trajectory_internal::EvaluateEnd(
-        pair.i, problem_.lever_arm_b_m, model_, theta_, q_theta_, v.segment<3>(0), v.segment<3>(3));
+        pair.i, Vector(pair.i), problem_.lever_arm_b_m, model_, theta_, q_theta_, v.segment<3>(0),
+        v.segment<3>(3));
     const EndTerms j = fixed_trajectory_internal::EvaluateEnd(
-        pair.j, problem_.lever_arm_b_m, model_, theta_, q_theta_, v.segment<3>(6), v.segment<3>(9));
+        pair.j, Vector(pair.j), problem_.lever_arm_b_m, model_, theta_, q_theta_, v.segment<3>(6),
+        v.segment<3>(9));
     PairTerms terms;
     terms.A = i.J_theta - j.J_theta;
+    if (has_laser()) {
+      terms.laser = fixed_trajectory_internal::PairLaserColumns(pair, model_, theta_, v);
+    }
     terms.noise_i = fixed_trajectory_internal::EvaluateNoise(pair.i);
     terms.noise_j = fixed_trajectory_internal::EvaluateNoise(pair.j);
     Matrix3d B_i = i.J_phi, B_j = -j.J_phi;
@@ -181,7 +268,8 @@ class Adjuster {
   }
 
   NormalSums Accumulate() {
-    std::vector<NormalSums> partial(NumChunks(problem_.pairs.size(), kChunk));
+    std::vector<NormalSums> partial(NumChunks(problem_.pairs.size(), kChunk),
+                                    NormalSums(laser_.size()));
     ForChunks([&](std::size_t c, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
         if (result_.weights[k] == 0.0) continue;
@@ -195,17 +283,25 @@ class Adjuster {
         const Matrix3d AtS = weight * terms.A.transpose() * terms.S;
         partial[c].N.noalias() += AtS * terms.A;
         partial[c].g.noalias() += AtS * terms.w;
+        if (has_laser()) partial[c].AddLaser(terms.laser, weight * terms.S, terms.A, terms.w);
         partial[c].chi2 += weight * d2;
         partial[c].chi2_conditions += weight * lambda.dot(problem_.pairs[k].covariance_m2 * lambda);
       }
     });
-    NormalSums sums;
+    NormalSums sums(laser_.size());
     for (const NormalSums& part : partial) sums += part;
     AddPrior(&sums);
     return sums;
   }
 
   void AddPrior(NormalSums* sums) const {
+    if (has_laser()) {
+      const VectorXd x = problem_.laser.start + laser_;
+      const VectorXd gradient = problem_.laser.information * x;
+      sums->N_laser += problem_.laser.information;
+      sums->g_laser += gradient;
+      sums->chi2 += x.dot(gradient);
+    }
     if (!problem_.boresight_sigma_rad) return;
     const fixed_trajectory_internal::BoresightPrior prior =
         fixed_trajectory_internal::EvaluatePrior(problem_.boresight_rad,
@@ -216,11 +312,16 @@ class Adjuster {
   }
 
   // Computes v = -P^-1 B^T S (A d + w~) with the terms at which d was computed.
-  void UpdateCorrections(const Vector3d& d) {
+  void UpdateCorrections(const Change& change) {
     ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
         const PairTerms terms = Terms(k);
-        const Vector3d lambda = terms.S * (terms.A * d + terms.w);
+        Vector3d w = terms.A * change.boresight + terms.w;
+        for (int a = 0; a < terms.laser.size(); ++a) {
+          w +=
+              change.laser[terms.laser.unknown[static_cast<std::size_t>(a)]] * terms.laser.A.col(a);
+        }
+        const Vector3d lambda = terms.S * w;
         PairCorrection& v = result_.corrections[k];
         v.segment<3>(0) = -terms.noise_i.position * lambda;
         v.segment<3>(3) = -terms.noise_i.attitude_factor * (terms.L_i.transpose() * lambda);
@@ -237,12 +338,15 @@ class Adjuster {
 
   Vector3d Step() {
     const NormalSums sums = Accumulate();
-    CheckRank(sums.N);
-    Vector3d d = -sums.N.llt().solve(sums.g);
+    const NormalSolver solver(sums);
+    CheckRank(solver.N());
+    const Change change = solver.Solve();
+    const Vector3d& d = change.boresight;
     // The first step may be several degrees. Corrections computed from the misclosures before such
     // a step would be useless.
     const bool far = result_.iterations == 0 && d.norm() > kFarRad;
-    if (!options_.libor_compat && !far) UpdateCorrections(d);
+    if (!options_.libor_compat && !far) UpdateCorrections(change);
+    if (has_laser()) laser_ += change.laser;
     SetBoresight(model_ == BoresightModel::kExponential ? Log(Eigen::Quaterniond(Exp(d) * q_theta_))
                                                         : Vector3d(theta_ + d));
     ++result_.iterations;
@@ -293,8 +397,8 @@ class Adjuster {
 
   // Returns the georeferenced point with the given trajectory, without corrections.
   Vector3d Point(const GaussHelmertEnd& end) const {
-    return end.p_mb + end.q_mb * Vector3d(fixed_trajectory_internal::BodyVector(end, model_, theta_,
-                                                                                q_theta_) +
+    return end.p_mb + end.q_mb * Vector3d(fixed_trajectory_internal::BodyVector(Vector(end), model_,
+                                                                                theta_, q_theta_) +
                                           problem_.lever_arm_b_m);
   }
 
@@ -332,11 +436,14 @@ class Adjuster {
 
   void Finish() {
     const NormalSums sums = Accumulate();
-    CheckRank(sums.N);
+    const NormalSolver solver(sums);
+    CheckRank(solver.N());
     result_.boresight_rad = theta_;
-    result_.normal = sums.N;
-    result_.covariance_apriori_rad2 = sums.N.inverse();
-    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(sums.N).eigenvalues();
+    result_.laser = problem_.laser.start + laser_;
+    result_.laser_covariance_apriori = solver.LaserCovariance();
+    result_.normal = solver.N();
+    result_.covariance_apriori_rad2 = result_.normal.inverse();
+    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(result_.normal).eigenvalues();
     result_.condition_number = values[2] / values[0];
     result_.pairs_kept = std::count_if(result_.weights.begin(), result_.weights.end(),
                                        [](double weight) { return weight > 0.0; });
@@ -345,7 +452,7 @@ class Adjuster {
     result_.redundancy = 3 * result_.pairs_kept - (problem_.boresight_sigma_rad ? 0 : 3);
     result_.chi2 = sums.chi2;
     result_.chi2_conditions = sums.chi2_conditions;
-    NormalSums prior;
+    NormalSums prior(laser_.size());
     AddPrior(&prior);
     result_.chi2_observations = sums.chi2 - sums.chi2_conditions - prior.chi2;
     result_.sigma0 = std::sqrt(sums.chi2 / static_cast<double>(result_.redundancy));
@@ -353,7 +460,7 @@ class Adjuster {
         result_.sigma0 * result_.sigma0 * result_.covariance_apriori_rad2;
     UpdateNorms();
     result_.residual_final_m = MeanNorm();
-    if (options_.libor_compat) UpdateCorrections(Vector3d::Zero());
+    if (options_.libor_compat) UpdateCorrections({Vector3d::Zero(), VectorXd::Zero(laser_.size())});
   }
 
   const GaussHelmertProblem& problem_;
@@ -361,6 +468,7 @@ class Adjuster {
   const BoresightModel model_;
   Loss loss_;
   Vector3d theta_;
+  VectorXd laser_;  // change of the laser unknowns from their start
   Eigen::Quaterniond q_theta_ = Exp(theta_);
   Matrix3d R_me_;
   std::vector<double> norms_m_;

@@ -1,6 +1,10 @@
 #include "gauss_helmert_pair.h"
 
+#include <dn/error.h>
 #include <dn/rotation.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
 
 namespace dn {
 namespace fixed_trajectory_internal {
@@ -17,28 +21,78 @@ Eigen::Matrix3d TimesSkew(const Eigen::Matrix3d& R, const Eigen::Vector3d& u) {
 
 }  // namespace
 
-Eigen::Vector3d BodyVector(const GaussHelmertEnd& end, BoresightModel model,
+Eigen::Vector3d BodyVector(const Eigen::Vector3d& u_b, BoresightModel model,
                            const Eigen::Vector3d& theta_rad,
                            const Eigen::Quaterniond& q_boresight) {
-  if (model == BoresightModel::kExponential) return q_boresight * end.u_b;
-  return end.u_b + theta_rad.cross(end.u_b);
+  if (model == BoresightModel::kExponential) return q_boresight * u_b;
+  return u_b + theta_rad.cross(u_b);
 }
 
-EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_arm_b_m,
-                     BoresightModel model, const Eigen::Vector3d& theta_rad,
-                     const Eigen::Quaterniond& q_boresight, const Eigen::Vector3d& v_p,
-                     const Eigen::Vector3d& v_phi) {
-  const Eigen::Vector3d u = BodyVector(end, model, theta_rad, q_boresight);
+EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& u_b,
+                     const Eigen::Vector3d& lever_arm_b_m, BoresightModel model,
+                     const Eigen::Vector3d& theta_rad, const Eigen::Quaterniond& q_boresight,
+                     const Eigen::Vector3d& v_p, const Eigen::Vector3d& v_phi) {
+  const Eigen::Vector3d u = BodyVector(u_b, model, theta_rad, q_boresight);
   const Eigen::Vector3d s = u + lever_arm_b_m;
   const bool corrected = !v_phi.isZero(0.0);
-  const Eigen::Matrix3d R =
-      (corrected ? Eigen::Quaterniond(end.q_mb * Exp(v_phi)) : end.q_mb).toRotationMatrix();
   EndTerms terms;
-  terms.x = end.p_mb + v_p + R * s;
-  terms.J_theta = -TimesSkew(R, model == BoresightModel::kExponential ? u : end.u_b);
-  terms.J_phi = -TimesSkew(R, s);
+  terms.R = (corrected ? Eigen::Quaterniond(end.q_mb * Exp(v_phi)) : end.q_mb).toRotationMatrix();
+  terms.x = end.p_mb + v_p + terms.R * s;
+  terms.J_theta = -TimesSkew(terms.R, model == BoresightModel::kExponential ? u : u_b);
+  terms.J_phi = -TimesSkew(terms.R, s);
   if (corrected) terms.J_phi = terms.J_phi * RightJacobian(v_phi);
   return terms;
+}
+
+void LaserColumns::Add(const LaserTerms& terms, const Eigen::Matrix3d& J) {
+  for (const LaserTerm& term : terms) {
+    if (term.unknown < 0) continue;
+    const auto past = unknown.begin() + size();
+    const auto known = std::find(unknown.begin(), past, term.unknown);
+    const auto column = known - unknown.begin();
+    if (known == past) {
+      unknown[static_cast<std::size_t>(column)] = term.unknown;
+      A.conservativeResize(Eigen::NoChange, column + 1);
+      A.col(column).setZero();
+    }
+    A.col(column) += J * term.direction_b;
+  }
+}
+
+LaserColumns PairLaserColumns(const GaussHelmertPair& pair, BoresightModel model,
+                              const Eigen::Vector3d& theta_rad, const PairCorrection& v) {
+  const Eigen::Matrix3d R_boresight = model == BoresightModel::kExponential
+                                          ? Exp(theta_rad).toRotationMatrix()
+                                          : Eigen::Matrix3d::Identity() + Skew(theta_rad);
+  const auto J = [&](const GaussHelmertEnd& end, Eigen::Index attitude) {
+    return Eigen::Matrix3d(
+        (end.q_mb * Exp(Eigen::Vector3d(v.segment<3>(attitude)))).toRotationMatrix() * R_boresight);
+  };
+  LaserColumns columns;
+  columns.Add(pair.i.laser, J(pair.i, 3));
+  columns.Add(pair.j.laser, -J(pair.j, 9));
+  return columns;
+}
+
+void CheckLaserTerms(const LaserTerms& terms, const LaserUnknowns& unknowns,
+                     const std::string& name) {
+  for (const LaserTerm& term : terms) {
+    if (term.unknown < unknowns.size() && term.direction_b.allFinite()) continue;
+    throw InvalidInput(
+        name + ": a term of the laser vector names none of the unknowns, or is not " + "finite");
+  }
+}
+
+void CheckLaserUnknowns(const LaserUnknowns& unknowns) {
+  const Eigen::Index n = unknowns.size();
+  const bool fits = unknowns.information.rows() == n && unknowns.information.cols() == n;
+  if (n == 0 && fits) return;
+  if (fits && unknowns.start.allFinite() && unknowns.information.allFinite() &&
+      Eigen::LLT<Eigen::MatrixXd>(unknowns.information).info() == Eigen::Success) {
+    return;
+  }
+  throw InvalidInput(
+      "the prior of the laser unknowns is not positive definite, or has another size");
 }
 
 PoseNoise EvaluateNoise(const GaussHelmertEnd& end) {
@@ -57,10 +111,12 @@ PairLinearisation LinearisePair(const GaussHelmertPair& pair, const Eigen::Vecto
                                 BoresightModel model, const Eigen::Vector3d& theta_rad,
                                 const PairCorrection& v) {
   const Eigen::Quaterniond q_boresight = Exp(theta_rad);
-  const fixed_trajectory_internal::EndTerms i = fixed_trajectory_internal::EvaluateEnd(
-      pair.i, lever_arm_b_m, model, theta_rad, q_boresight, v.segment<3>(0), v.segment<3>(3));
-  const fixed_trajectory_internal::EndTerms j = fixed_trajectory_internal::EvaluateEnd(
-      pair.j, lever_arm_b_m, model, theta_rad, q_boresight, v.segment<3>(6), v.segment<3>(9));
+  const fixed_trajectory_internal::EndTerms i =
+      fixed_trajectory_internal::EvaluateEnd(pair.i, pair.i.u_b, lever_arm_b_m, model, theta_rad,
+                                             q_boresight, v.segment<3>(0), v.segment<3>(3));
+  const fixed_trajectory_internal::EndTerms j =
+      fixed_trajectory_internal::EvaluateEnd(pair.j, pair.j.u_b, lever_arm_b_m, model, theta_rad,
+                                             q_boresight, v.segment<3>(6), v.segment<3>(9));
   PairLinearisation out;
   out.w = i.x - j.x;
   out.A = i.J_theta - j.J_theta;

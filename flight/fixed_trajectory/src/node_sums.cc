@@ -29,24 +29,54 @@ Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation&
   return M.inverse();
 }
 
+/// d w / d the unknowns that a pair has: the boresight, then the laser unknowns of its ends.
+class UnknownColumns {
+ public:
+  static constexpr int kMost = 3 + LaserColumns::kMost;
+
+  UnknownColumns(const Matrix3d& boresight, const LaserColumns& laser) : A_(3, 3 + laser.size()) {
+    A_ << boresight, laser.A;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(laser.size()); ++k) {
+      at_[3 + k] = 3 + laser.unknown[k];
+    }
+  }
+
+  /// Calls work(unknown, column) for each.
+  template <class Work>
+  void ForEach(const Work& work) const {
+    for (Eigen::Index k = 0; k < A_.cols(); ++k) {
+      work(at_[static_cast<std::size_t>(k)], Vector3d(A_.col(k)));
+    }
+  }
+
+ private:
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMost> A_;
+  std::array<Eigen::Index, kMost> at_{0, 1, 2};
+};
+
 /// Accumulates NodeSums with error c of node n at index 6 n + c, and only the lower triangle of H.
 class NodeAccumulator {
  public:
-  explicit NodeAccumulator(const TimeNodes& nodes)
-      : nodes_(nodes), sums_(nodes.size(), 3), headings_(nodes) {}
+  NodeAccumulator(const TimeNodes& nodes, Eigen::Index unknowns)
+      : nodes_(nodes), sums_(nodes.size(), unknowns), headings_(nodes) {}
 
-  void Add(const GaussHelmertPair& pair, const PairLinearisation& linear, const EndJacobian& J_i,
+  void Add(const GaussHelmertPair& pair, const UnknownColumns& columns, const EndJacobian& J_i,
            const EndJacobian& J_j, const Matrix3d& S, const Vector3d& w) {
-    const Matrix3d AtS = linear.A.transpose() * S;
-    sums_.N += AtS * linear.A;
-    sums_.g += AtS * w;
+    columns.ForEach([&](Eigen::Index row, const Vector3d& a) {
+      const Vector3d Sa = S * a;
+      sums_.g[row] += Sa.dot(w);
+      columns.ForEach(
+          [&](Eigen::Index column, const Vector3d& b) { sums_.N(row, column) += Sa.dot(b); });
+    });
     sums_.chi2 += w.dot(S * w);
     const Ends ends = Spread(nodes_.At(pair.i.t_s), J_i, nodes_.At(pair.j.t_s), J_j);
     headings_.Add(pair.i);
     headings_.Add(pair.j);
     for (const End& end : ends) {
       const Eigen::Matrix<double, 6, 3> JtS = end.weight * end.J->transpose() * S;
-      sums_.N_e.middleRows<6>(6 * end.node) += JtS * linear.A;
+      columns.ForEach([&](Eigen::Index column, const Vector3d& a) {
+        sums_.N_e.col(column).segment<6>(6 * end.node) += JtS * a;
+      });
       sums_.b.segment<6>(6 * end.node) += JtS * w;
       for (const End& other : ends) {
         if (other.node > end.node) continue;
@@ -56,12 +86,15 @@ class NodeAccumulator {
   }
 
   /// Returns the sums in the order of NodeSums.
-  NodeSums Sums(const std::optional<Vector3d>& boresight_sigma_rad) {
+  NodeSums Sums(const std::optional<Vector3d>& boresight_sigma_rad,
+                const Eigen::MatrixXd& laser_information) {
     sums_.OrderByComponent();
     sums_.heading_rad = headings_.heading_rad();
     if (boresight_sigma_rad) {
-      sums_.N += boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
+      sums_.N.topLeftCorner<3, 3>() += boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
     }
+    const Eigen::Index laser = laser_information.rows();
+    sums_.N.bottomRightCorner(laser, laser) += laser_information;
     return std::move(sums_);
   }
 
@@ -138,19 +171,27 @@ VectorXd NodeHeadings::heading_rad() const {
 NodeSums SumPairConditions(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
                            BoresightModel model, const TrajectoryErrorOptions& options,
                            const TimeNodes& nodes) {
-  NodeAccumulator sums(nodes);
+  NodeAccumulator sums(nodes, 3 + problem.laser.size());
+  const VectorXd change = result.laser - problem.laser.start;
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     if (result.weights[k] == 0.0) continue;
-    const GaussHelmertPair& pair = problem.pairs[k];
+    GaussHelmertPair pair = problem.pairs[k];
+    if (problem.laser.size() > 0) {
+      for (GaussHelmertEnd* end : {&pair.i, &pair.j}) end->u_b += VectorChange(end->laser, change);
+    }
     const PairCorrection& v = result.corrections[k];
     const PairLinearisation linear =
         LinearisePair(pair, problem.lever_arm_b_m, model, result.boresight_rad, v);
     const EndJacobian J_i = ErrorJacobian(pair.i, linear.B.middleCols<3>(3), options);
     const EndJacobian J_j = -ErrorJacobian(pair.j, -linear.B.middleCols<3>(9), options);
-    sums.Add(pair, linear, J_i, J_j, result.weights[k] * MisclosureWeight(pair, linear),
-             linear.w - linear.B * v);
+    LaserColumns laser;
+    if (problem.laser.size() > 0) {
+      laser = PairLaserColumns(pair, model, result.boresight_rad, v);
+    }
+    sums.Add(pair, UnknownColumns(linear.A, laser), J_i, J_j,
+             result.weights[k] * MisclosureWeight(pair, linear), linear.w - linear.B * v);
   }
-  return sums.Sums(problem.boresight_sigma_rad);
+  return sums.Sums(problem.boresight_sigma_rad, problem.laser.information);
 }
 
 }  // namespace dn::fixed_trajectory_internal

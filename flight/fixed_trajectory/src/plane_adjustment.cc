@@ -12,6 +12,7 @@
 #include <string>
 
 #include "boresight_normal.h"
+#include "gauss_helmert_pair.h"
 
 namespace dn {
 namespace {
@@ -31,7 +32,7 @@ std::string PointName(std::size_t plane, std::size_t point) {
   return "plane " + std::to_string(plane) + ", point " + std::to_string(point);
 }
 
-void CheckPoint(const PlanePoint& point, std::size_t q, std::size_t k) {
+void CheckPoint(const PlanePoint& point, const LaserUnknowns& laser, std::size_t q, std::size_t k) {
   const GaussHelmertEnd& end = point.end;
   constexpr double kUnit = 1e-6;
   if (!end.q_mb.coeffs().allFinite() || !end.p_mb.allFinite() ||
@@ -46,12 +47,14 @@ void CheckPoint(const PlanePoint& point, std::size_t q, std::size_t k) {
     if (sigma.allFinite() && sigma.minCoeff() > 0.0) continue;
     throw InvalidInput(PointName(q, k) + ": a sigma of the trajectory is not positive and finite");
   }
+  fixed_trajectory_internal::CheckLaserTerms(end.laser, laser, PointName(q, k));
 }
 
 void CheckProblem(const PlaneProblem& problem) {
   if (!problem.lever_arm_b_m.allFinite() || !problem.boresight_rad.allFinite()) {
     throw InvalidInput("the lever arm or the initial boresight is not finite");
   }
+  fixed_trajectory_internal::CheckLaserUnknowns(problem.laser);
   const auto positive = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0; };
   if (problem.boresight_sigma_rad && !(problem.boresight_sigma_rad->allFinite() &&
                                        problem.boresight_sigma_rad->minCoeff() > 0.0)) {
@@ -65,7 +68,8 @@ void CheckProblem(const PlaneProblem& problem) {
     if (!positive(plane.sigma_m)) {
       throw InvalidInput("plane " + std::to_string(q) + ": its sigma is not positive and finite");
     }
-    for (std::size_t k = 0; k < plane.points.size(); ++k) CheckPoint(plane.points[k], q, k);
+    for (std::size_t k = 0; k < plane.points.size(); ++k)
+      CheckPoint(plane.points[k], problem.laser, q, k);
   }
 }
 
@@ -96,8 +100,9 @@ class PlaneAdjuster {
   PlaneAdjuster(const PlaneProblem& problem, const PlaneAdjustmentOptions& options)
       : problem_(problem),
         options_(options),
-        unknowns_(problem.with_range_offset ? 4 : 3),
+        unknowns_(problem.NumUnknowns()),
         theta_(problem.boresight_rad),
+        laser_(VectorXd::Zero(problem.laser.size())),
         eliminated_(problem.planes.size()) {
     result_.planes.resize(problem.planes.size());
     for (const ObservedPlane& plane : problem.planes) {
@@ -123,7 +128,7 @@ class PlaneAdjuster {
 
   PlanePointLinearisation Linearise(std::size_t q, std::size_t k) const {
     return LinearisePlanePoint(Plane(q).points[k], Plane(q).sigma_m, problem_.lever_arm_b_m, theta_,
-                               rho_m_, result_.planes[q]);
+                               rho_m_, result_.planes[q], laser_);
   }
 
   /// Calls work(k) for the kept points of plane q.
@@ -163,7 +168,9 @@ class PlaneAdjuster {
 
   Vector3d PointAt(std::size_t q, std::size_t k) const {
     const GaussHelmertEnd& end = Plane(q).points[k].end;
-    const Vector3d u_b = end.u_b - rho_m_ * end.u_b.normalized();
+    Vector3d u_b = end.u_b;
+    if (laser_.size() > 0) u_b += VectorChange(end.laser, laser_);
+    u_b -= rho_m_ * u_b.normalized();
     return end.p_mb + end.q_mb * (Exp(theta_) * u_b + problem_.lever_arm_b_m);
   }
 
@@ -204,17 +211,20 @@ class PlaneAdjuster {
     Eliminated& plane = eliminated_[q];
     plane.X.setZero(unknowns_, 3);
     plane.y.setZero();
-    VectorXd a(unknowns_);
     ForPoints(q, [&](std::size_t k) {
       const PlanePointLinearisation at = Linearise(q, k);
+      const PlaneUnknownRow row(problem_, Plane(q).points[k], at);
       const double weight = 1.0 / at.variance_m2;
-      a.head<3>() = at.J_theta;
-      if (problem_.with_range_offset) a[3] = at.J_range;
-      sums->N += weight * a * a.transpose();
-      sums->g += weight * at.f_m * a;
+      for (std::size_t a = 0; a < row.size; ++a) {
+        const double weighted = weight * row.value[a];
+        for (std::size_t b = 0; b < row.size; ++b) {
+          sums->N(row.at[a], row.at[b]) += weighted * row.value[b];
+        }
+        sums->g[row.at[a]] += weighted * at.f_m;
+        plane.X.row(row.at[a]) += weighted * at.J_plane.transpose();
+      }
       sums->chi2 += weight * at.f_m * at.f_m;
       Q += weight * at.J_plane * at.J_plane.transpose();
-      plane.X += weight * a * at.J_plane.transpose();
       plane.y += weight * at.f_m * at.J_plane;
     });
     plane.Q_inverse = Q.inverse();
@@ -252,14 +262,23 @@ class PlaneAdjuster {
       sums->g[3] += weight * rho_m_;
       sums->chi2 += weight * rho_m_ * rho_m_;
     }
+    if (laser_.size() > 0) {
+      const VectorXd x = problem_.laser.start + laser_;
+      const VectorXd gradient = problem_.laser.information * x;
+      sums->N.bottomRightCorner(x.size(), x.size()) += problem_.laser.information;
+      sums->g.tail(x.size()) += gradient;
+      sums->chi2 += x.dot(gradient);
+    }
   }
 
-  /// Returns the normal matrix of the boresight alone, with the range offset eliminated.
+  /// Returns the normal matrix of the boresight alone, with all other unknowns eliminated.
   Matrix3d Reduced(const MatrixXd& N) const {
     Matrix3d out = N.topLeftCorner<3, 3>();
-    if (unknowns_ == 4 && N(3, 3) > 0.0) {
-      out -= N.topRightCorner<3, 1>() * N.bottomLeftCorner<1, 3>() / N(3, 3);
-    }
+    const Eigen::Index others = unknowns_ - 3;
+    if (others == 0) return out;
+    const Eigen::FullPivLU<MatrixXd> lu(N.bottomRightCorner(others, others));
+    if (lu.isInvertible())
+      out -= N.topRightCorner(3, others) * lu.solve(N.bottomLeftCorner(others, 3));
     return out;
   }
 
@@ -275,6 +294,7 @@ class PlaneAdjuster {
     const Vector3d d = x.head<3>();
     theta_ = Log(Eigen::Quaterniond(Exp(d) * Exp(theta_)));
     if (problem_.with_range_offset) rho_m_ += x[3];
+    laser_ += x.tail(laser_.size());
     ForChosen([&](std::size_t q) {
       const Eliminated& plane = eliminated_[q];
       result_.planes[q] =
@@ -381,6 +401,7 @@ class PlaneAdjuster {
     Count();
     result_.boresight_rad = theta_;
     result_.range_offset_m = rho_m_;
+    result_.laser = problem_.laser.start + laser_;
     result_.normal = Reduced(sums.N);
     CheckRank(result_.normal);
     result_.covariance_apriori = sums.N.inverse();
@@ -389,7 +410,8 @@ class PlaneAdjuster {
     result_.condition_number = values[2] / values[0];
     result_.chi2 = sums.chi2;
     const long priors = (problem_.boresight_sigma_rad ? 3 : 0) +
-                        (problem_.with_range_offset && problem_.range_offset_sigma_m ? 1 : 0);
+                        (problem_.with_range_offset && problem_.range_offset_sigma_m ? 1 : 0) +
+                        static_cast<long>(laser_.size());
     result_.redundancy =
         result_.points_kept + priors - static_cast<long>(unknowns_) - 3 * result_.planes_kept;
     result_.sigma0 =
@@ -404,6 +426,7 @@ class PlaneAdjuster {
   const Eigen::Index unknowns_;
   Vector3d theta_;
   double rho_m_ = 0.0;
+  VectorXd laser_;            // change of the laser unknowns from their start
   std::vector<char> chosen_;  // selected planes
   std::vector<Eliminated> eliminated_;
   PlaneAdjustment result_;

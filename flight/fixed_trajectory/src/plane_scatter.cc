@@ -24,8 +24,8 @@ using fixed_trajectory_internal::TimeNodes;
 /// unknowns.
 struct SparseRow {
   static constexpr std::size_t kErrors = 12;  // six errors of each of the two nodes around an epoch
-  std::array<Index, kErrors + 4> at{};
-  std::array<double, kErrors + 4> value{};
+  std::array<Index, kErrors + PlaneUnknownRow::kMost> at{};
+  std::array<double, kErrors + PlaneUnknownRow::kMost> value{};
   std::size_t size = 0;
 
   void Add(Index index, double x) {
@@ -67,7 +67,8 @@ class PlaneSums {
         options_(options),
         nodes_(nodes),
         errors_(6 * nodes.size()),
-        unknowns_(problem.with_range_offset ? 4 : 3),
+        unknowns_(problem.NumUnknowns()),
+        laser_change_(result.laser - problem.laser.start),
         headings_(nodes),
         local_(errors_ + unknowns_) {
     M_.setZero(errors_ + unknowns_, errors_ + unknowns_);
@@ -103,8 +104,10 @@ class PlaneSums {
     };
     add(place.node, 1.0 - place.next);
     if (place.next_node != place.node) add(place.next_node, place.next);
-    for (Index i = 0; i < 3; ++i) row.Add(errors_ + i, at.J_theta[i]);
-    if (problem_.with_range_offset) row.Add(errors_ + 3, at.J_range);
+    const PlaneUnknownRow unknowns(problem_, point, at);
+    for (std::size_t i = 0; i < unknowns.size; ++i) {
+      row.Add(errors_ + unknowns.at[i], unknowns.value[i]);
+    }
     return row;
   }
 
@@ -120,7 +123,7 @@ class PlaneSums {
       const PlanePoint& point = plane.points[k];
       const PlanePointLinearisation at =
           LinearisePlanePoint(point, plane.sigma_m, problem_.lever_arm_b_m, result_.boresight_rad,
-                              result_.range_offset_m, state);
+                              result_.range_offset_m, state, laser_change_);
       const double weight = 1.0 / at.variance_m2;
       const SparseRow row = ConditionRow(point, state.normal, at);
       headings_.Add(point.end);
@@ -158,6 +161,8 @@ class PlaneSums {
     if (problem_.with_range_offset && problem_.range_offset_sigma_m) {
       sums->N(3, 3) += 1.0 / (*problem_.range_offset_sigma_m * *problem_.range_offset_sigma_m);
     }
+    const Index laser = problem_.laser.size();
+    sums->N.bottomRightCorner(laser, laser) += problem_.laser.information;
   }
 
   const PlaneProblem& problem_;
@@ -165,6 +170,7 @@ class PlaneSums {
   const TrajectoryErrorOptions& options_;
   const TimeNodes& nodes_;
   const Index errors_, unknowns_;
+  const VectorXd laser_change_;
   NodeHeadings headings_;
   LocalColumns local_;
   MatrixXd M_;  // errors first, then unknowns
@@ -192,7 +198,11 @@ PlaneErrorCovariance EstimateCorrelatedErrorCovariance(const PlaneProblem& probl
     throw InvalidInput("the adjustment has " + std::to_string(result.kept.size()) +
                        " planes, the problem " + std::to_string(problem.planes.size()));
   }
-  if (!(result.chi2 > 0.0)) return {};  // all residuals are zero
+  if (!(result.chi2 > 0.0)) {  // all residuals are zero
+    PlaneErrorCovariance none;
+    none.trajectory.other_variances = VectorXd::Zero(problem.NumUnknowns() - 3);
+    return none;
+  }
   const fixed_trajectory_internal::AdjustmentErrorCovariance out =
       fixed_trajectory_internal::EstimateFromNodeSums(
           static_cast<double>(result.redundancy), options,

@@ -405,6 +405,7 @@ class ScatterEstimator {
           weight * (p2 * effect.position + (1.0 - point.constant_share) * a2 * effect.attitude);
     }
     scatter.covariance_rad2 = covariance.topLeftCorner<3, 3>();
+    scatter.other_variances = covariance.diagonal().tail(covariance.rows() - 3);
     scatter.expected_dof = Squared(scatter.expected_ratio * nu_) / half_variance;
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
@@ -529,7 +530,11 @@ CorrelatedErrorCovariance EstimateCorrelatedErrorCovariance(const GaussHelmertPr
     throw InvalidInput("the adjustment has " + std::to_string(result.weights.size()) +
                        " pairs, the problem " + std::to_string(problem.pairs.size()));
   }
-  if (!(result.chi2 > 0.0)) return {};  // all misclosures are zero
+  if (!(result.chi2 > 0.0)) {  // all misclosures are zero
+    CorrelatedErrorCovariance none;
+    none.other_variances = VectorXd::Zero(problem.laser.size());
+    return none;
+  }
   return fixed_trajectory_internal::EstimateFromNodeSums(
              static_cast<double>(result.redundancy), options,
              [&] { return Epochs(problem, result.weights); },

@@ -32,6 +32,7 @@ struct StripPlaneOptions {
 struct StripPlane {
   std::vector<double> t_s;
   std::vector<Eigen::Vector3d> u_s;  ///< laser vectors in the sensor frame, m
+  std::vector<int> beam;             ///< number of the laser beam of each point, or kNoBeam
   double rms_m = 0.0;                ///< rms of all its points about the plane
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/adjustment/beams.h>
 #include <dn/adjustment/result.h>
 #include <dn/files/flight.h>
 #include <dn/fixed_trajectory/gauss_helmert.h>
@@ -63,6 +64,9 @@ struct GaussHelmertCalibration {
   double mean_range_m = 0.0;
   /// Boresight with its reliable covariance; sigma_apriori_rad and sigma_scaled_rad are set.
   BoresightResult boresight;
+  /// Corrections of the beams of a scanner with several beams. The laser vectors of the problem
+  /// contain them.
+  std::vector<BeamCorrections> beams;
   AdjustmentFigures figures;
   double solve_time_s = 0.0;
   double covariance_time_s = 0.0;
@@ -97,6 +101,9 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 /// Estimates the boresight of a flight with a trajectory and pairs by the Gauss-Helmert adjustment.
 /// lidar.robust: `none` is the outlier rule of the paper, `huber` and `cauchy` are robust losses of
 /// width 2.5.
+///
+/// If flight.yaml has `beams` and the pairs name them, their corrections are estimated, too
+/// (BeamUnknown). gh.libor_compat leaves them out.
 ///
 /// The covariance is ReliableCovariance. The verdict, with its reasons, is
 ///   not_observable  by AssessObservability for the normal matrix, or by AssessLargestSigma for the

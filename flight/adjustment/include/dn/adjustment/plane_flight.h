@@ -24,6 +24,9 @@ struct PlaneCalibration {
   /// Boresight with its reliable covariance; sigma_apriori_rad and sigma_scaled_rad are set.
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;  ///< lidar_range_offset, if it is estimated
+  /// Corrections of the beams of a scanner with several beams, as in GaussHelmertCalibration;
+  /// `ends` are points of planes.
+  std::vector<BeamCorrections> beams;
   AdjustmentFigures figures;  ///< correspondences are points; outliers are points left out
   double solve_time_s = 0.0;
   double covariance_time_s = 0.0;

@@ -34,6 +34,13 @@ struct BeamUnknown {
   double PriorSigma(std::size_t k) const;
 };
 
+/// Returns the unknowns of a scanner whose beams measured `ends` ends of pairs or points of planes;
+/// none if the scanner has no `beams` in flight.yaml or no beam measured anything. Throws
+/// InvalidInput if `ends` has more beams than the scanner. `what` is an end in the message: "a
+/// pair".
+std::vector<BeamUnknown> MakeBeamUnknowns(const FlightConfig& config, std::size_t scanner,
+                                          std::vector<long> ends, const char* what);
+
 /// Returns the unknowns of the scanners that have `beams` in flight.yaml and pairs with beams.
 std::vector<BeamUnknown> FindBeamUnknowns(const Flight& flight);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/fixed_trajectory/laser_unknowns.h>
 #include <dn/network.h>
 
 #include <Eigen/Core>
@@ -23,6 +24,8 @@ struct GaussHelmertEnd {
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
   /// Laser vector in the body frame before rotation by the boresight, R_bs_nominal u_s, m.
   Eigen::Vector3d u_b = Eigen::Vector3d::Zero();
+  int beam = -1;     ///< number of the laser beam, -1: unknown; not used by the adjustment
+  LaserTerms laser;  ///< how u_b depends on the LaserUnknowns of the problem
 
   /// Returns the unit vector down in the body frame.
   Eigen::Vector3d down_b() const { return q_mb.conjugate() * (q_mn * Eigen::Vector3d::UnitZ()); }
@@ -42,6 +45,7 @@ struct GaussHelmertProblem {
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< initial value
   /// Prior standard deviation; without a value the boresight is free.
   std::optional<Eigen::Vector3d> boresight_sigma_rad;
+  LaserUnknowns laser;  ///< unknowns of the laser vectors, estimated with the boresight
   /// Rotation from ECEF to map. Only libor_compat uses it.
   Eigen::Quaterniond q_me = Eigen::Quaterniond::Identity();
   std::vector<GaussHelmertPair> pairs;
@@ -106,8 +110,11 @@ PairLinearisation LinearisePair(const GaussHelmertPair& pair, const Eigen::Vecto
 
 /// Adjusted boresight with its covariances.
 struct GaussHelmertResult {
-  Eigen::Vector3d boresight_rad;  ///< theta: rotation vector about the body axes
-  /// N for a left perturbation, including the prior if there is one, rad^-2
+  Eigen::Vector3d boresight_rad;             ///< theta: rotation vector about the body axes
+  Eigen::VectorXd laser;                     ///< LaserUnknowns of the problem
+  Eigen::MatrixXd laser_covariance_apriori;  ///< their covariance with the boresight unknown
+  /// N for a left perturbation with the laser unknowns eliminated, including the prior if there is
+  /// one, rad^-2
   Eigen::Matrix3d normal;
   Eigen::Matrix3d covariance_apriori_rad2;  ///< N^-1
   Eigen::Matrix3d covariance_scaled_rad2;   ///< sigma0^2 N^-1
@@ -149,11 +156,14 @@ struct GaussHelmertResult {
 /// N^-1 is the covariance only if the trajectory errors are white, that is, independent between
 /// epochs. Real trajectory errors are correlated in time: see trajectory_scatter.h.
 ///
+/// The laser unknowns x of the problem are estimated with theta. A has a column for each of them
+/// then, and their prior x^T P_x x is a part of the sum. Memory grows by their number squared.
+///
 /// Throws InvalidInput if there are fewer than two different pairs, or if a value is not finite.
-/// Also throws it if a sigma is not positive or a covariance is not positive definite. Throws
-/// RankDeficient, naming the direction, if the pairs leave a direction of the boresight
-/// undetermined; InvalidConfig for bad options. Missing convergence is reported in the result, not
-/// thrown.
+/// Also throws it if a sigma is not positive, a covariance is not positive definite, or a term
+/// names no laser unknown. Throws RankDeficient, naming the direction, if the pairs leave a
+/// direction of the boresight undetermined; InvalidConfig for bad options. Missing convergence is
+/// reported in the result, not thrown.
 ///
 /// Source: Brun & Skaloud, eqs. of the linearised model and appendix; Pope (1972) for the
 /// iteration.

@@ -4,9 +4,11 @@
 #include <dn/fixed_trajectory/trajectory_scatter.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -36,7 +38,13 @@ struct PlaneProblem {
   bool with_range_offset = false;
   /// Prior standard deviation about zero; without a value the offset is free.
   std::optional<double> range_offset_sigma_m;
+  LaserUnknowns laser;  ///< unknowns of the laser vectors, estimated with the boresight
   std::vector<ObservedPlane> planes;
+
+  /// Unknowns besides the planes: the boresight, the range offset if it is estimated, and the laser
+  /// unknowns, in this order.
+  Eigen::Index NumUnknowns() const { return FirstLaser() + laser.size(); }
+  Eigen::Index FirstLaser() const { return with_range_offset ? 4 : 3; }
 };
 
 /// Options of the plane adjustment.
@@ -74,6 +82,8 @@ struct PlanePointLinearisation {
   double f_m = 0.0;                                   ///< n . (p - centre) - d
   Eigen::Vector3d J_theta = Eigen::Vector3d::Zero();  ///< d f / d boresight, m/rad
   double J_range = 0.0;                               ///< d f / d range offset
+  /// d f / d laser unknown of each term of the point.
+  std::array<double, std::tuple_size_v<LaserTerms>> J_laser{};
   Eigen::Vector3d J_plane = Eigen::Vector3d::Zero();  ///< d f / d tangent vector of the plane
   /// d f / d attitude (right perturbation), m/rad.
   Eigen::Vector3d J_phi = Eigen::Vector3d::Zero();
@@ -88,10 +98,24 @@ struct PlanePointLinearisation {
 ///   s^2 = n^T (P + F A F^T) n + sigma^2,                   F = -R_mb [u + a_b]x
 ///
 /// P and A are the covariances of position and attitude from the sigmas of the point's end.
+/// `laser_change` is that of the laser unknowns from their start; empty: zero.
 PlanePointLinearisation LinearisePlanePoint(const PlanePoint& point, double sigma_m,
                                             const Eigen::Vector3d& lever_arm_b_m,
                                             const Eigen::Vector3d& theta_rad, double rho_m,
-                                            const PlaneState& plane);
+                                            const PlaneState& plane,
+                                            const Eigen::VectorXd& laser_change = {});
+
+/// Derivatives of a condition with respect to the unknowns of PlaneProblem::NumUnknowns, without
+/// those that are zero.
+struct PlaneUnknownRow {
+  static constexpr std::size_t kMost = 4 + std::tuple_size_v<LaserTerms>;
+  std::array<Eigen::Index, kMost> at{};
+  std::array<double, kMost> value{};
+  std::size_t size = 0;
+
+  PlaneUnknownRow(const PlaneProblem& problem, const PlanePoint& point,
+                  const PlanePointLinearisation& linear);
+};
 
 /// Distribution of the plane normals.
 struct NormalSpread {
@@ -103,9 +127,10 @@ struct NormalSpread {
 struct PlaneAdjustment {
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   double range_offset_m = 0.0;
+  Eigen::VectorXd laser;  ///< LaserUnknowns of the problem
   /// All other unknowns eliminated; left perturbation.
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  /// Inverse normal matrix of the boresight and, if estimated, the range offset.
+  /// Inverse normal matrix of the unknowns of PlaneProblem::NumUnknowns.
   Eigen::MatrixXd covariance_apriori;
   Eigen::Matrix3d covariance_apriori_rad2 = Eigen::Matrix3d::Zero();
   /// covariance_apriori_rad2 times sigma0^2.
@@ -141,10 +166,10 @@ struct PlaneAdjustment {
 /// removed in two steps: first planes (plane_medians, repeated until the selection does not
 /// change), then points (point_sigmas, Baarda), once.
 ///
-/// Throws InvalidInput for a value that is not finite, a sigma that is not positive, and collinear
-/// points of a plane. Throws RankDeficient if no plane is observed by two strips, or if the planes
-/// leave a direction undetermined, naming that direction; InvalidConfig for bad options. Missing
-/// convergence is reported in the result, not thrown.
+/// Throws InvalidInput for a value that is not finite, a sigma that is not positive, collinear
+/// points of a plane, and a term that names no laser unknown. Throws RankDeficient if no plane is
+/// observed by two strips, or if the planes leave a direction undetermined, naming that direction;
+/// InvalidConfig for bad options. Missing convergence is reported in the result, not thrown.
 ///
 /// Source: Skaloud & Lichti (2006), Rigorous approach to bore-sight self-calibration in airborne
 /// laser scanning, ISPRS J. 61.

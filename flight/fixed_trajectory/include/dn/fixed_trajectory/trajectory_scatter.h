@@ -54,6 +54,8 @@ struct CorrelatedErrorCovariance {
   /// Covariance of the boresight, rad^2, in addition to the white part (covariance_scaled_rad2 of
   /// the adjustment).
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+  /// Variances of the other unknowns of the adjustment from the same errors, in its order.
+  Eigen::VectorXd other_variances;
   double attitude_ratio = 0.0;  ///< rms of the attitude errors / stated sigma
   double position_ratio = 0.0;  ///< rms of the position errors / stated sigma
   /// Posterior mean of (variance of the attitude error that is constant over the flight) / (stated
