@@ -180,6 +180,22 @@ TEST(PlaneFlight, TheCovarianceContainsTheShiftByUnmodelledEffects) {
   EXPECT_EQ(check.unmodelled->contributions.front().effect, "lidar_range_offset");
 }
 
+// Planes alone are calibrated without reading pairs. A drift of the clock begins with the strips
+// then, too.
+TEST(PlaneFlight, AClockDriftBeginsWithTheStrips) {
+  PlaneFlight with, without;
+  without.flight.pair_strips.clear();
+  without.flight.pairs.reset();
+  Vector3d sigma_rad[2];
+  for (PlaneFlight* test : {&with, &without}) {
+    test->flight.config.unmodelled = testing::OnlyEffect(EffectId::kLidarTimeDrift, 5e-6);
+    PlaneCalibration result = CalibratePlanes(test->flight, test->Planes(40, 0.6));
+    ASSERT_TRUE(AssessModel(test->flight, &result).unmodelled);
+    sigma_rad[test == &with ? 0 : 1] = result.boresight.sigma_rad();
+  }
+  EXPECT_LT((sigma_rad[0] - sigma_rad[1]).norm(), 0.5 * sigma_rad[0].norm());
+}
+
 TEST(PlaneFlight, AnEstimatedRangeOffsetIsNotUnmodelled) {
   PlaneFlight test;
   test.flight.config.unmodelled = testing::OnlyEffect(EffectId::kLidarRangeOffset, 0.05);

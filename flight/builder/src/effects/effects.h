@@ -38,7 +38,8 @@ Eigen::VectorXd ConfiguredGnssLeverArm(const FlightConfig& config, std::size_t s
 Eigen::VectorXd ConfiguredLidarLeverArm(const FlightConfig& config, std::size_t scanner);
 Eigen::VectorXd ConfiguredLidarTimeOffset(const FlightConfig& config, std::size_t scanner);
 
-/// Returns the first and last time tag of the pairs, s; both are 0 without pairs.
+/// Returns the first and last time tag of the pairs, s. Without pairs it is the span of the strips,
+/// and without these both are 0.
 std::pair<double, double> LidarSpan(const Flight& flight);
 
 }  // namespace dn::builder_internal

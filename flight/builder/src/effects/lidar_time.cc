@@ -40,7 +40,11 @@ class LidarTagDrift final : public LidarEffect {
 }  // namespace
 
 std::pair<double, double> LidarSpan(const Flight& flight) {
-  if (!flight.pairs || flight.pairs->pairs.empty()) return {0.0, 0.0};
+  if (!flight.pairs || flight.pairs->pairs.empty()) {
+    const std::vector<StripInterval> strips = FindStrips(flight);
+    if (strips.empty()) return {0.0, 0.0};
+    return {strips.front().t0_s, strips.back().t1_s};
+  }
   const auto& pairs = flight.pairs->pairs;
   std::pair<double, double> span{pairs.front().t_i_s, pairs.front().t_i_s};
   for (const LidarPair& pair : pairs) {
