@@ -56,6 +56,8 @@ pairs:
 control:
   points: 6
   checks: 3
+  corners: 2
+  corner_checks: 1
   sigma_m: [0.01, 0.01, 0.015]
 """
 
@@ -126,6 +128,8 @@ control:
   laser_sigma_m: 0.04
   datum_shift_sigma_m: [0.05, 0.05, 0.1]
   checks: [C1, C2, C3]
+  search_radius_m: 1.0
+  corner_radius_m: 3.0
 trajectory:
   file: trajectory.out
   crs: geographic

@@ -8,7 +8,7 @@ from .values import short
 
 CELLS = ["nan", "-nan", "inf", "-inf", "1e999", "1e308", "-1e308", "1e-320", "0", "-1", "1e9",
          "9" * 400, "0x10", "", " ", "abc", "1e", "1,5", "1;5", "1.2.3", "--1", "NULL", "#", '"1"',
-         f"$(touch {CANARY})", "1e5", "-0.0", "ü", "\x00", "\x1b[2J"]
+         "corner", f"$(touch {CANARY})", "1e5", "-0.0", "ü", "\x00", "\x1b[2J"]
 SHIFTS_S = [1e-9, 1e-3, 0.04, 1, 100, 604800, 1e9]
 FACTORS = [1.001, 1.1, 0.3048, 3.2808, 57.2958, 0.0174533, 9.80665, 0.10197, 1000, 1e-6, 1e200]
 
@@ -26,7 +26,7 @@ class Rows:
     def times(self):
         """Returns the columns with time tags; pairs have two, control points have the eighth."""
         columns = len(self.cells[0])
-        return (0, 1) if columns in (8, 10, 14, 16) else (7,) if columns == 11 else (0,)
+        return (0, 1) if columns in (8, 10, 14, 16) else (7,) if columns == 12 else (0,)
 
     def another(self, count):
         return self.rng.randrange(count)
@@ -41,9 +41,10 @@ class Rows:
         self.change(column, lambda value: value + by, begin)
 
     def change(self, column, function, begin=0):
-        """Changes the numbers of a column; a header line stays."""
+        """Changes the numbers of a column; a header line and missing values stay."""
         for row in self.cells[begin:]:
-            if not row[column].strip()[:1].isalpha():
+            cell = row[column].strip()
+            if cell != "-" and not cell[:1].isalpha():
                 row[column] = repr(function(float(row[column])))
 
 
