@@ -13,17 +13,20 @@
 #include <string>
 
 #include "boresight_normal.h"
+#include "gauss_helmert_normal.h"
 #include "gauss_helmert_pair.h"
 
 namespace dn {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using fixed_trajectory_internal::EndTerms;
 using fixed_trajectory_internal::LaserColumns;
+using fixed_trajectory_internal::NormalSolver;
+using fixed_trajectory_internal::NormalSums;
+using fixed_trajectory_internal::UnknownsChange;
 
 constexpr std::size_t kChunk = 2048;  // pairs per partial sum
 constexpr double kRoundingM = 1e-6;   // smaller differences are never outliers
@@ -92,88 +95,6 @@ void CheckProblem(const GaussHelmertProblem& problem) {
                        " point pairs are identical; at least two different pairs are needed");
   }
 }
-
-/// Weighted sums over all pairs at the current state.
-struct NormalSums {
-  Matrix3d N = Matrix3d::Zero();
-  Vector3d g = Vector3d::Zero();  // A^T S w~
-  // The same of the laser unknowns, and their rows with the columns of the boresight.
-  MatrixXd N_laser, cross;
-  VectorXd g_laser;
-  double chi2 = 0.0;
-  double chi2_conditions = 0.0;
-
-  explicit NormalSums(Eigen::Index laser = 0)
-      : N_laser(MatrixXd::Zero(laser, laser)),
-        cross(MatrixXd::Zero(laser, 3)),
-        g_laser(VectorXd::Zero(laser)) {}
-
-  void AddLaser(const LaserColumns& columns, const Matrix3d& S, const Matrix3d& A,
-                const Vector3d& w) {
-    for (int a = 0; a < columns.size(); ++a) {
-      const Eigen::Index row = columns.unknown[static_cast<std::size_t>(a)];
-      const Eigen::RowVector3d aS = columns.A.col(a).transpose() * S;
-      cross.row(row) += aS * A;
-      g_laser[row] += aS.dot(w);
-      for (int b = 0; b < columns.size(); ++b) {
-        N_laser(row, columns.unknown[static_cast<std::size_t>(b)]) += aS.dot(columns.A.col(b));
-      }
-    }
-  }
-
-  void operator+=(const NormalSums& other) {
-    N += other.N;
-    g += other.g;
-    N_laser += other.N_laser;
-    cross += other.cross;
-    g_laser += other.g_laser;
-    chi2 += other.chi2;
-    chi2_conditions += other.chi2_conditions;
-  }
-};
-
-/// Changes of the unknowns.
-struct Change {
-  Vector3d boresight = Vector3d::Zero();
-  VectorXd laser;
-};
-
-/// Solves the normal equations with the laser unknowns eliminated.
-class NormalSolver {
- public:
-  explicit NormalSolver(const NormalSums& sums) : sums_(sums), N_(sums.N) {
-    if (sums.g_laser.size() == 0) return;
-    laser_.compute(sums.N_laser);
-    N_ -= sums.cross.transpose() * laser_.solve(sums.cross);
-  }
-
-  /// Returns the normal matrix of the boresight alone.
-  const Matrix3d& N() const { return N_; }
-
-  Change Solve() const {
-    Change change;
-    if (sums_.g_laser.size() == 0) {
-      change.boresight = -N_.llt().solve(sums_.g);
-      return change;
-    }
-    const Vector3d g = sums_.g - sums_.cross.transpose() * laser_.solve(sums_.g_laser);
-    change.boresight = -N_.llt().solve(g);
-    change.laser = -laser_.solve(sums_.g_laser + sums_.cross * change.boresight);
-    return change;
-  }
-
-  /// Returns the covariance of the laser unknowns.
-  MatrixXd LaserCovariance() const {
-    if (sums_.g_laser.size() == 0) return {};
-    const MatrixXd N = sums_.N_laser - sums_.cross * sums_.N.llt().solve(sums_.cross.transpose());
-    return N.llt().solve(MatrixXd::Identity(N.rows(), N.cols()));
-  }
-
- private:
-  const NormalSums& sums_;
-  Matrix3d N_;
-  Eigen::LLT<MatrixXd> laser_;
-};
 
 class Adjuster {
  public:
@@ -312,7 +233,7 @@ class Adjuster {
   }
 
   // Computes v = -P^-1 B^T S (A d + w~) with the terms at which d was computed.
-  void UpdateCorrections(const Change& change) {
+  void UpdateCorrections(const UnknownsChange& change) {
     ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
         const PairTerms terms = Terms(k);
@@ -340,7 +261,7 @@ class Adjuster {
     const NormalSums sums = Accumulate();
     const NormalSolver solver(sums);
     CheckRank(solver.N());
-    const Change change = solver.Solve();
+    const UnknownsChange change = solver.Solve();
     const Vector3d& d = change.boresight;
     // The first step may be several degrees. Corrections computed from the misclosures before such
     // a step would be useless.
