@@ -94,16 +94,20 @@ std::string ControlWarning(const FlightRun& flight_run) {
   const auto& control = flight_run.flight.control;
   const std::vector<ControlNode>& used = flight_run.adjustment().network->control().points();
   if (!control || used.size() == control->points.size()) return {};
-  std::vector<std::string> names;
+  std::vector<const ControlPoint*> unused;
   for (std::size_t k = 0; k < control->points.size(); ++k) {
     const bool found = std::any_of(used.begin(), used.end(),
                                    [&](const ControlNode& node) { return node.point == k; });
-    if (!found) names.push_back(control->points[k].name);
+    if (!found) unused.push_back(&control->points[k]);
   }
-  return fmt::format(
-      "{} of {} control points have no laser return, the first is {}: give its laser vector and "
-      "epoch (t, ux, uy, uz), or put a cloud that covers it into strips/",
-      names.size(), control->points.size(), names.front());
+  const char* const kNoCloud =
+      "give its laser vector and epoch (t, ux, uy, uz), or put a cloud that covers it into strips/";
+  const char* const kNoFacets =
+      "a corner needs a cloud with three planes through it, with ten points on each within "
+      "control.corner_radius_m";
+  return fmt::format("{} of {} control points have no laser return, the first is {}: {}",
+                     unused.size(), control->points.size(), unused.front()->name,
+                     unused.front()->is_corner ? kNoFacets : kNoCloud);
 }
 
 std::vector<std::string> Warnings(const FlightRun& flight_run) {

@@ -175,6 +175,10 @@ TEST_F(CliControl, CornersAreFoundInTheStrips) {
   EXPECT_GE(horizontal["checks"], 3);
   EXPECT_LT(horizontal["rmse_m"].get<double>(), 0.1);
   EXPECT_LT(control["checks_variance"].get<double>(), 3.0);
+  const ProgramRun small =
+      Calibrate("town", "small_result", {"--set", "control={corner_radius_m: 0.3}"});
+  EXPECT_THAT(small.err, HasSubstr("8 of 8 control points have no laser return"));
+  EXPECT_THAT(small.err, HasSubstr("a corner needs a cloud with three planes through it"));
 }
 
 }  // namespace dn::testing::apps_test

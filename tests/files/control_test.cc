@@ -96,6 +96,10 @@ TEST(Control, AColumnTellsCornersFromSurfaces) {
   EXPECT_TRUE(data.points[0].is_corner);
   EXPECT_FALSE(data.points[1].is_corner);
   EXPECT_FALSE(data.points[2].is_corner);
+  for (const char* key : {"search_radius_m", "corner_radius_m"}) {
+    const std::string yaml = "lidar: {sigma_p_m: 0.02}\ncontrol: {" + std::string(key) + ": 51}\n";
+    ExpectInvalid([&] { Control(yaml).Config(); }, "must be at most 50 m", 2);
+  }
   Control().ExpectBad("name e n h sigma shape\nA 1 2 3 .02 sphere\n",
                       "the shape is 'sphere', must be surface or corner", 2);
   Control().ExpectBad(

@@ -19,6 +19,14 @@ Eigen::Vector3d ReadSigmas(const YamlValue& value) {
                           : ReadPositiveVector3(value);
 }
 
+/// Reads the radius of a search, in which all returns are kept in memory.
+double ReadRadius(const YamlValue& value, double otherwise) {
+  constexpr double kMostM = 50.0;
+  const double radius_m = ReadPositiveOr(value, otherwise);
+  if (radius_m > kMostM) value.Fail("must be at most 50 m");
+  return radius_m;
+}
+
 }  // namespace
 
 ControlConfig ReadControlSection(const YamlValue& section) {
@@ -33,8 +41,8 @@ ControlConfig ReadControlSection(const YamlValue& section) {
     control.datum_shift_sigma_m = ReadSigmas(section["datum_shift_sigma_m"]);
   }
   if (section["checks"]) control.checks = ReadTexts(section["checks"], kMostChecks);
-  control.search_radius_m = ReadPositiveOr(section["search_radius_m"], control.search_radius_m);
-  control.corner_radius_m = ReadPositiveOr(section["corner_radius_m"], control.corner_radius_m);
+  control.search_radius_m = ReadRadius(section["search_radius_m"], control.search_radius_m);
+  control.corner_radius_m = ReadRadius(section["corner_radius_m"], control.corner_radius_m);
   return control;
 }
 
