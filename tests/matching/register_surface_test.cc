@@ -89,7 +89,8 @@ TEST(AgreeInHeight, AWrongHeightIsFoundAndTheNoiseIsEstimated) {
   std::normal_distribution<double> noise(0.0, 0.02);
   std::vector<PlacedHeight> heights;
   for (int k = 0; k < 100; ++k) {
-    heights.push_back({{10.0 * (k % 10), 10.0 * (k / 10)}, noise(random), 1e-4});
+    const int row = k / 10;
+    heights.push_back({{10.0 * (k % 10), 10.0 * row}, noise(random), 1e-4});
   }
   heights[42].shift_m = 0.5;
   const HeightAgreement agreement = AgreeInHeight(heights);
