@@ -13,15 +13,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-struct CellKey {
-  std::int32_t x, y;
-  bool operator==(const CellKey&) const = default;
-};
-
 struct CellHash {
-  std::size_t operator()(const CellKey& key) const {
-    std::uint64_t h = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.x)) << 32) |
-                      static_cast<std::uint32_t>(key.y);
+  std::size_t operator()(std::uint64_t h) const {
     h ^= h >> 31;
     h *= 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(h ^ (h >> 29));
@@ -43,7 +36,7 @@ void Place(const MatchSource& source, std::size_t strip, int threads, StripSampl
 StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cell_m, int threads,
                         const std::function<void(std::uint64_t)>& told) {
   StripSample sample;
-  std::unordered_map<CellKey, KeptPoint, CellHash> cells;
+  std::unordered_map<std::uint64_t, KeptPoint, CellHash> cells;
   std::vector<Vector3d> p_m;
   std::uint64_t read = 0;
   sample.counts = source.Read(strip, [&](const RawPoints& points) {
@@ -55,8 +48,7 @@ StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cel
           static_cast<float>((cell - corner - Vector2d::Constant(0.5)).squaredNorm());
       const auto next = static_cast<std::uint32_t>(sample.size());
       const auto [at, is_new] =
-          cells.try_emplace({CellNumber(p_m[i].x(), cell_m), CellNumber(p_m[i].y(), cell_m)},
-                            KeptPoint{next, off_m2});
+          cells.try_emplace(CellKey(p_m[i].head<2>(), cell_m), KeptPoint{next, off_m2});
       if (is_new) {
         sample.t_s.push_back(points.t_s[i]);
         sample.x.emplace_back(points.x[i].cast<float>());

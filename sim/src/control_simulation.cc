@@ -57,10 +57,10 @@ class PointSampler {
     for (int trial = 0; trial < kTrialsPerCorner; ++trial) {
       const std::optional<Gable> gable =
           terrain_.GableAt(DrawPlace().en_m, random_.Uniform() < 0.5);
-      if (!gable || !IsFree(*gable) || !IsSeen(*gable)) continue;
+      if (!gable) continue;
       const bool is_new = std::none_of(peaks_m_.begin(), peaks_m_.end(),
                                        [&](const Vector3d& peak) { return peak == gable->peak_m; });
-      if (!is_new) continue;
+      if (!is_new || !IsFree(*gable) || !IsSeen(*gable)) continue;
       peaks_m_.push_back(gable->peak_m);
       ControlPoint point = Surveyed(gable->peak_m);
       point.is_corner = true;

@@ -22,7 +22,6 @@ class BeamAdjustment {
 
   /// Returns whether the scanner has beams with unknown errors that the ends name.
   bool any() const { return !unknowns_.empty(); }
-  Eigen::Index size() const { return size_; }
 
   /// Calls adjust(), which returns the estimated laser unknowns of the problem to which `laser`
   /// belongs. With beams it does so twice, since the terms of the vectors are those of one value.

@@ -149,7 +149,11 @@ class ReturnCollector {
  public:
   ReturnCollector(const Flight& flight, const StripSource& source, const Mounting& mounting,
                   const std::vector<ControlPoint*>& points)
-      : flight_(flight), source_(source), mounting_(mounting), points_(points) {}
+      : source_(source), mounting_(mounting), points_(points) {
+    for (const ControlPoint* point : points) {
+      radii_m_.push_back(SearchRadius(flight.config, *point));
+    }
+  }
 
   /// Adds to each point the return on the surface around it, or those on the facets of a corner.
   void Search(const std::filesystem::path& file) {
@@ -168,8 +172,7 @@ class ReturnCollector {
   void Take(double t_s, const Vector3d& u_s) {
     const Vector3d x_m = Georeference(source_.PoseAt(t_s), mounting_, u_s);
     for (std::size_t k = 0; k < points_.size(); ++k) {
-      const double radius_m =
-          (points_[k]->is_corner ? kSurroundings : 1.0) * SearchRadius(flight_.config, *points_[k]);
+      const double radius_m = (points_[k]->is_corner ? kSurroundings : 1.0) * radii_m_[k];
       if ((x_m - points_[k]->p_m).head<2>().squaredNorm() > radius_m * radius_m) continue;
       near_[k].push_back({x_m, t_s, u_s});
     }
@@ -177,9 +180,7 @@ class ReturnCollector {
 
   std::vector<SurfaceFit> Surfaces(std::size_t point) const {
     const ControlPoint& at = *points_[point];
-    if (at.is_corner) {
-      return FindFacets(near_[point], at.p_m, SearchRadius(flight_.config, at));
-    }
+    if (at.is_corner) return FindFacets(near_[point], at.p_m, radii_m_[point]);
     const auto fit = FitSurface(near_[point], at.p_m);
     return fit ? std::vector{*fit} : std::vector<SurfaceFit>{};
   }
@@ -207,10 +208,10 @@ class ReturnCollector {
     return found;
   }
 
-  const Flight& flight_;
   const StripSource& source_;
   const Mounting& mounting_;
   const std::vector<ControlPoint*>& points_;
+  std::vector<double> radii_m_;
   std::vector<std::vector<NearReturn>> near_;
 };
 

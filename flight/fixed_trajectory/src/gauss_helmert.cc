@@ -15,6 +15,7 @@
 #include "boresight_normal.h"
 #include "gauss_helmert_normal.h"
 #include "gauss_helmert_pair.h"
+#include "laser_prior.h"
 
 namespace dn {
 namespace {
@@ -217,11 +218,11 @@ class Adjuster {
 
   void AddPrior(NormalSums* sums) const {
     if (has_laser()) {
-      const VectorXd x = problem_.laser.start + laser_;
-      const VectorXd gradient = problem_.laser.information * x;
+      const fixed_trajectory_internal::LaserPrior prior =
+          fixed_trajectory_internal::EvaluateLaserPrior(problem_.laser, laser_);
       sums->N_laser += problem_.laser.information;
-      sums->g_laser += gradient;
-      sums->chi2 += x.dot(gradient);
+      sums->g_laser += prior.g;
+      sums->chi2 += prior.chi2;
     }
     if (!problem_.boresight_sigma_rad) return;
     const fixed_trajectory_internal::BoresightPrior prior =

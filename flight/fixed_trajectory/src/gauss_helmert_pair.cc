@@ -1,9 +1,7 @@
 #include "gauss_helmert_pair.h"
 
-#include <dn/error.h>
 #include <dn/rotation.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace dn {
@@ -72,27 +70,6 @@ LaserColumns PairLaserColumns(const GaussHelmertPair& pair, BoresightModel model
   columns.Add(pair.i.laser, J(pair.i, 3));
   columns.Add(pair.j.laser, -J(pair.j, 9));
   return columns;
-}
-
-void CheckLaserTerms(const LaserTerms& terms, const LaserUnknowns& unknowns,
-                     const std::string& name) {
-  for (const LaserTerm& term : terms) {
-    if (term.unknown < unknowns.size() && term.direction_b.allFinite()) continue;
-    throw InvalidInput(
-        name + ": a term of the laser vector names none of the unknowns, or is not " + "finite");
-  }
-}
-
-void CheckLaserUnknowns(const LaserUnknowns& unknowns) {
-  const Eigen::Index n = unknowns.size();
-  const bool fits = unknowns.information.rows() == n && unknowns.information.cols() == n;
-  if (n == 0 && fits) return;
-  if (fits && unknowns.start.allFinite() && unknowns.information.allFinite() &&
-      Eigen::LLT<Eigen::MatrixXd>(unknowns.information).info() == Eigen::Success) {
-    return;
-  }
-  throw InvalidInput(
-      "the prior of the laser unknowns is not positive definite, or has another size");
 }
 
 PoseNoise EvaluateNoise(const GaussHelmertEnd& end) {

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <string>
 
 namespace dn::fixed_trajectory_internal {
 
@@ -43,14 +42,6 @@ struct LaserColumns {
 /// Returns these columns at the boresight theta_rad and the corrections v.
 LaserColumns PairLaserColumns(const GaussHelmertPair& pair, BoresightModel model,
                               const Eigen::Vector3d& theta_rad, const PairCorrection& v);
-
-/// Throws InvalidInput if a term names none of the unknowns, or is not finite. `name` is that of
-/// the end.
-void CheckLaserTerms(const LaserTerms& terms, const LaserUnknowns& unknowns,
-                     const std::string& name);
-
-/// Throws InvalidInput if the sizes differ, or the information is not positive definite.
-void CheckLaserUnknowns(const LaserUnknowns& unknowns);
 
 /// Observation covariance P^-1 of an end. It consists of the position covariance in map axes (m^2),
 /// and of a factor F of the attitude covariance F F^T in body axes (rad^2).

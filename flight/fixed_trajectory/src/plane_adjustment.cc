@@ -12,7 +12,7 @@
 #include <string>
 
 #include "boresight_normal.h"
-#include "gauss_helmert_pair.h"
+#include "laser_prior.h"
 
 namespace dn {
 namespace {
@@ -263,11 +263,11 @@ class PlaneAdjuster {
       sums->chi2 += weight * rho_m_ * rho_m_;
     }
     if (laser_.size() > 0) {
-      const VectorXd x = problem_.laser.start + laser_;
-      const VectorXd gradient = problem_.laser.information * x;
-      sums->N.bottomRightCorner(x.size(), x.size()) += problem_.laser.information;
-      sums->g.tail(x.size()) += gradient;
-      sums->chi2 += x.dot(gradient);
+      const fixed_trajectory_internal::LaserPrior prior =
+          fixed_trajectory_internal::EvaluateLaserPrior(problem_.laser, laser_);
+      sums->N.bottomRightCorner(laser_.size(), laser_.size()) += problem_.laser.information;
+      sums->g.tail(laser_.size()) += prior.g;
+      sums->chi2 += prior.chi2;
     }
   }
 
