@@ -5,8 +5,11 @@
 #include <dn/builder/gnss_factors.h>
 #include <dn/diagnosis/solution.h>
 #include <dn/imu/unknown_imu.h>
+#include <dn/navigation/antenna_derivative.h>
+#include <dn/solvers/prediction.h>
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +27,8 @@ using Eigen::Vector3d;
 // The windows take a quarter of the time; every phase has other windows.
 constexpr double kPeriods = 4.0;
 constexpr int kPhases = 3;
+// Withheld epochs have sigmas larger by this factor.
+constexpr double kNoWeight = 1e4;
 
 /// Returns whether a time is inside a window.
 bool IsWithheld(double since_begin_s, double length_s, int phase) {
@@ -68,24 +73,36 @@ struct Score {
   }
 };
 
-/// Returns the variances of the position, east, north and up, at a time between the nodes.
-Vector3d PositionVariance(const std::vector<TrajectorySigma>& sigmas, double t_s) {
-  const auto after = std::ranges::lower_bound(sigmas, t_s, {}, &TrajectorySigma::t_s);
-  if (after == sigmas.begin()) return after->position_enu_m.cwiseAbs2();
-  const auto before = after - 1;
-  if (after == sigmas.end()) return before->position_enu_m.cwiseAbs2();
-  const double share = (t_s - before->t_s) / (after->t_s - before->t_s);
-  return (1.0 - share) * before->position_enu_m.cwiseAbs2() +
-         share * after->position_enu_m.cwiseAbs2();
+/// Returns the variance of time-correlated errors that the network does not have as unknowns.
+Vector3d ProcessVariance(const Solution& solution, const GnssConfig& gnss) {
+  const GnssCorrelation& found = solution.adjustment().gnss_correlation;
+  if (!gnss.processes.empty() || !found.significant()) return Vector3d::Zero();
+  return found.process.sigma_enu_m.cwiseAbs2();
 }
 
-/// Returns the variance of the time-correlated errors of positions.
-Vector3d ProcessVariance(const Solution& solution, const GnssConfig& gnss) {
-  Vector3d sum = Vector3d::Zero();
-  for (const GnssProcess& process : gnss.processes) sum += process.sigma_enu_m.cwiseAbs2();
-  const GnssCorrelation& found = solution.adjustment().gnss_correlation;
-  if (sum.isZero() && found.significant()) sum = found.process.sigma_enu_m.cwiseAbs2();
-  return sum;
+/// Adds the withheld epochs with such sigmas that they have no weight, and without velocities.
+void AddWithoutWeight(const std::vector<MapGnssEpoch>& withheld, Flight* flight) {
+  std::vector<MapGnssEpoch>& epochs = flight->gnss->epochs;
+  for (MapGnssEpoch epoch : withheld) {
+    const Vector3d default_m2 = flight->config.gnss->sigma_enu_m.cwiseAbs2();
+    epoch.covariance_enu_m2 = kNoWeight * kNoWeight *
+                              epoch.covariance_enu_m2.value_or(Eigen::Matrix3d(default_m2.asDiagonal()));
+    epoch.velocity_enu_mps.reset();
+    epoch.velocity_covariance_enu.reset();
+    epochs.push_back(epoch);
+  }
+  std::ranges::sort(epochs, {}, &MapGnssEpoch::t_s);
+}
+
+/// Returns the variance that effects outside of the model add to the position of a node.
+Vector3d AddedVariance(const Solution& solution, std::size_t node,
+                       const std::vector<TrajectorySigma>& checked) {
+  return checked[node].position_enu_m.cwiseAbs2() -
+         solution.trajectory().sigma[node].position_enu_m.cwiseAbs2();
+}
+
+bool HasNoWeight(const MapGnssEpoch& epoch, const std::vector<MapGnssEpoch>& withheld) {
+  return std::ranges::binary_search(withheld, epoch.t_s, {}, &MapGnssEpoch::t_s);
 }
 
 void Predict(const SplitFlight& split, Score* score) {
@@ -94,22 +111,28 @@ void Predict(const SplitFlight& split, Score* score) {
   options.with_pairs = false;
   options.threads = 2;
   EstimateNoise(options, &flight);
+  AddWithoutWeight(split.withheld, &flight);
   const Solution solution(flight, options);
-  const std::vector<NavPoint> points =
-      solution.CheckedTrajectory(DenseTrajectory(solution.network(), 0.01, options.threads));
-  const std::vector<MapPose> poses = Trajectory(points).ToMapPoses(flight.frame);
-  const std::vector<TrajectorySigma> sigmas = solution.CheckedSigmas();
   const Vector3d process_m2 = ProcessVariance(solution, *flight.config.gnss);
-  for (const MapGnssEpoch& epoch : split.withheld) {
-    if (epoch.t_s < poses.front().t_s || epoch.t_s > poses.back().t_s) continue;
-    const MapPose pose = InterpolatePose(poses, epoch.t_s);
-    const Vector3d antenna_m = pose.p_mb + pose.q_mb * flight.config.gnss->lever_arm_b_m;
-    const Eigen::Matrix3d& R_m_enu = epoch.R_m_enu;
-    const Vector3d white_m2 =
-        (R_m_enu.transpose() * GnssPositionCovariance(epoch, *flight.config.gnss) * R_m_enu)
-            .diagonal();
-    score->Add(R_m_enu.transpose() * (antenna_m - epoch.p_m),
-               PositionVariance(sigmas, epoch.t_s) + white_m2 + process_m2);
+  const std::vector<TrajectorySigma> checked = solution.CheckedSigmas();
+  const FlightNetwork& network = solution.network();
+  for (const GnssEdge& edge : network.gnss().edges()) {
+    const MapGnssEpoch& epoch = flight.gnss->epochs[edge.epoch];
+    if (!HasNoWeight(epoch, split.withheld)) continue;
+    const Prediction predicted = PredictFactor(solution.marginals(), edge.position);
+    const Eigen::Matrix3d m_from_residual =
+        (AntennaDerivative(network, edge, solution.linearized().EvaluateFactorAt(edge.position)) *
+         epoch.R_m_enu)
+            .inverse();
+    const Eigen::Matrix3d of_prediction_m2 =
+        m_from_residual * (predicted.covariance - Eigen::Matrix3d::Identity()) *
+        m_from_residual.transpose();
+    const Eigen::Matrix3d white_m2 = epoch.R_m_enu.transpose() *
+                                     GnssPositionCovariance(epoch, *flight.config.gnss) *
+                                     epoch.R_m_enu / (kNoWeight * kNoWeight);
+    score->Add(m_from_residual * predicted.residual,
+               (of_prediction_m2 + white_m2).diagonal() + process_m2 +
+                   AddedVariance(solution, edge.node, checked));
   }
 }
 

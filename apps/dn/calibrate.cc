@@ -216,7 +216,7 @@ void AddNetworkFiles(const NetworkRun& network, const CalibrateOptions& options,
                       network.boresight, network.unknowns, network.pairs, flight_run.timings);
   AddScannersJson(network.mountings, &json);
   AddBeamsJson(network.beams, true, &json);
-  if (flight_run.noise) json["noise"] = NoiseJson(*flight_run.noise);
+  if (flight_run.noise) AddNoise(*flight_run.noise, &json);
   const std::string result = ResultText(flight_run.flight.config, std::move(json));
   run->AddFile("result" + suffix + ".json", result);
   if (!suffix.empty()) run->AddFile("result.json", result);  // the one to use

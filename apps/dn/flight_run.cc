@@ -273,7 +273,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["gnss_errors"] = GnssErrorsJson(flight_run.adjustment(), flight_run.solution->marginals());
   report["reference_errors"] =
       ReferenceErrorsJson(flight_run.flight, flight_run.solution->CheckedPoses());
-  if (flight_run.noise) report["noise"] = NoiseJson(*flight_run.noise);
+  if (flight_run.noise) AddNoise(*flight_run.noise, &report);
   report["stages"] = Json::array();
   for (const StageSummary& stage : flight_run.adjustment().stages) {
     report["stages"].push_back({{"name", stage.name},

@@ -120,7 +120,7 @@ void RunGap(const GapArguments& options, Run& run) {
     adjust.threads = run.options().threads;
     adjust.interrupted = gap.interrupted;
     const std::optional<NoiseSizes> noise = EstimateUnknownNoise(adjust, &flight, &run);
-    if (noise) run.report()["noise"] = NoiseJson(*noise);
+    if (noise) AddNoise(*noise, &run.report());
   }
   const GapResult result = Diagnose(flight, gap);
   const GapDiagnosis& diagnosis = result.diagnosis;

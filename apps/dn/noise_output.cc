@@ -38,8 +38,8 @@ std::optional<NoiseSizes> EstimateUnknownNoise(AdjustOptions options, Flight* fl
   return noise;
 }
 
-Json NoiseJson(const NoiseSizes& noise) {
-  Json list = Json::array();
+void AddNoise(const NoiseSizes& noise, Json* json) {
+  Json& list = (*json)["noise"] = Json::array();
   for (const NoiseSize& size : noise.sizes) {
     list.push_back({{"name", size.name},
                     {"unit", size.unit},
@@ -48,7 +48,9 @@ Json NoiseJson(const NoiseSizes& noise) {
                     {"sigma", size.value * size.relative_sigma},
                     {"redundancy", size.redundancy}});
   }
-  return list;
+  if (!noise.slow_gnss) return;
+  (*json)["slow_gnss"] = {{"sigma_enu_m", ToJson(noise.slow_gnss->sigma_enu_m)},
+                          {"tau_s", noise.slow_gnss->tau_s}};
 }
 
 void PrintNoise(const std::optional<NoiseSizes>& noise) {
@@ -59,6 +61,10 @@ void PrintNoise(const std::optional<NoiseSizes>& noise) {
                FormatWithSigma(size.value, size.value * size.relative_sigma),
                size.unit == "1" ? "" : size.unit);
   }
+  if (!noise->slow_gnss) return;
+  const Eigen::Vector3d& sigma_m = noise->slow_gnss->sigma_enu_m;
+  fmt::print("  {:<24} {:.2g}, {:.2g}, {:.2g} m (east, north, up), correlated over {:.2g} s\n",
+             "gnss.processes, slow", sigma_m.x(), sigma_m.y(), sigma_m.z(), noise->slow_gnss->tau_s);
 }
 
 }  // namespace dn::apps

@@ -13,8 +13,9 @@ namespace dn::apps {
 /// other flights. The flight then has the estimated noise. Throws as EstimateNoise does.
 std::optional<NoiseSizes> EstimateUnknownNoise(AdjustOptions options, Flight* flight, Run* run);
 
-/// Returns a list of sizes with name, unit, start, value, sigma and redundancy.
-Json NoiseJson(const NoiseSizes& noise);
+/// Adds `noise`, a list of sizes with name, unit, start, value, sigma and redundancy, and
+/// `slow_gnss` if slow GNSS errors were found.
+void AddNoise(const NoiseSizes& noise, Json* json);
 
 /// Prints one line per size; nothing without sizes.
 void PrintNoise(const std::optional<NoiseSizes>& noise);

@@ -51,7 +51,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   Json smooth =
       SmoothJson(flight_run->flight.config.name, trajectory, flight_run->solution->CheckedSigmas(),
                  check, flight_run->solution->CheckedUnknowns(), flight_run->timings);
-  if (flight_run->noise) smooth["noise"] = NoiseJson(*flight_run->noise);
+  if (flight_run->noise) AddNoise(*flight_run->noise, &smooth);
   smooth["separation"] = SeparationJson(separation);
   const std::optional<Shaking> shaking = FindShaking(*flight_run->flight.imu);
   smooth["shaking"] = ShakingJson(shaking);

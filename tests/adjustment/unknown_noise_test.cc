@@ -78,6 +78,48 @@ TEST(NoiseFromData, GnssSigmasGrowAndStatedFiguresAreTheStart) {
   EXPECT_NEAR(sizes.at("imu.gyro.white").start, 0.5, 1e-12);
 }
 
+/// A flight whose GNSS errors are slow, with the sigmas of a single receiver stated for all of them.
+SimulatedFlight FlyWithSlowGnss(unsigned seed) {
+  SimulatedFlight sim = FlyUnknown(
+      testing::DroneScenario("effects: [{effect: gnss_correlated_noise, value: [1, 1, 2, 40]}]\n"),
+      seed);
+  sim.flight.config.gnss->sigma_enu_m = {1.0, 1.0, 2.0};
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) epoch.covariance_enu_m2.reset();
+  return sim;
+}
+
+TEST(NoiseFromDataManyRuns, SlowGnssErrorsAreDividedFromWhiteOnes) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    SimulatedFlight sim = FlyWithSlowGnss(seed);
+    const NoiseSizes noise = EstimateNoise({}, &sim.flight);
+    ASSERT_TRUE(noise.slow_gnss);
+    EXPECT_GT(noise.slow_gnss->tau_s, 10.0);
+    EXPECT_LT(noise.slow_gnss->tau_s, 80.0);
+    const GnssConfig& gnss = *sim.flight.config.gnss;
+    ASSERT_EQ(gnss.processes.size(), 1u);
+    // Both parts together are the stated errors.
+    const Eigen::Vector3d white_m = gnss.sigma_scale * gnss.sigma_enu_m;
+    EXPECT_LT(white_m.x(), 0.4);
+    EXPECT_NEAR(std::hypot(white_m.x(), gnss.processes[0].sigma_enu_m.x()), 1.0, 0.1);
+    EXPECT_TRUE(Adjust(sim.flight).gnss_rejected.empty());
+  }
+}
+
+TEST(NoiseFromData, SlowGnssErrorsThatTheFlightStatesRemain) {
+  SimulatedFlight sim = FlyWithSlowGnss(1);
+  const GnssProcess stated{{1.0, 1.0, 2.0}, 40.0};
+  sim.flight.config.gnss->processes = {stated};
+  EXPECT_FALSE(EstimateNoise({}, &sim.flight).slow_gnss);
+  EXPECT_EQ(sim.flight.config.gnss->processes, std::vector<GnssProcess>{stated});
+}
+
+TEST(NoiseFromData, WhiteGnssErrorsAreNotDivided) {
+  SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);
+  EXPECT_FALSE(EstimateNoise({}, &sim.flight).slow_gnss);
+  EXPECT_TRUE(sim.flight.config.gnss->processes.empty());
+}
+
 // Larger noise would hide the contradiction, and give a wrong clock with a small sigma.
 TEST(NoiseFromData, TagsThatAreSecondsLateAreRefusedWithTheirValue) {
   SimulatedFlight sim = FlyUnknown(testing::DroneScenario(), 3);

@@ -116,6 +116,17 @@ double CorrelatedOverWhite(const GnssProcess& process, const Flight& flight) {
       .maxCoeff();
 }
 
+// Returns the variance of white noise and stated time-correlated errors together, divided by that
+// of the white noise. Errors that grow with the bank are left out: most positions do not have them.
+double StatedNoiseRatio(const Flight& flight) {
+  GnssProcess sum;
+  for (const GnssProcess& process : flight.config.gnss->processes) {
+    if (process.growth != GnssErrorGrowth::kNone) continue;
+    sum.sigma_enu_m = (sum.sigma_enu_m.cwiseAbs2() + process.sigma_enu_m.cwiseAbs2()).cwiseSqrt();
+  }
+  return 1.0 + CorrelatedOverWhite(sum, flight);
+}
+
 // Solves without the epochs of the jump, then restores those that are closer to the other epochs
 // than to the jump. Returns whether any epoch is left out for good.
 bool TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_for_good) {
@@ -141,7 +152,9 @@ bool TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
 class EpochScreener {
  public:
   EpochScreener(AdjustmentRun& run, bool clock_may_step)
-      : run_(run), clock_may_step_(clock_may_step) {}
+      : run_(run),
+        noise_ratio_(StatedNoiseRatio(run.flight())),
+        clock_may_step_(clock_may_step) {}
 
   /// Makes one pass; returns false if nothing is left to change.
   bool Once() {
@@ -282,7 +295,7 @@ class EpochScreener {
 
   AdjustmentRun& run_;
   std::set<FactorId> rejected_;
-  double noise_ratio_ = 1.0;  // see GnssScreening::Apply
+  double noise_ratio_;  // see GnssScreening::Apply
   bool restored_ = false;
   bool jumps_ = true;  // false: the largest jump was refuted
   bool clock_may_step_;
@@ -314,8 +327,9 @@ LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
 }
 
 void SolveInsGnss(AdjustmentRun& run) {
-  run.SetGnssLoss(
-      adjustment_internal::ConfiguredLoss(run.flight().config.gnss->robust, kUsualGnssLoss));
+  Loss usual = kUsualGnssLoss;
+  usual.width *= std::sqrt(StatedNoiseRatio(run.flight()));
+  run.SetGnssLoss(adjustment_internal::ConfiguredLoss(run.flight().config.gnss->robust, usual));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
   for (int k = 0; k < adjustment_internal::kMaxRepreintegrations &&
                   run.network().inertial().BiasChange() > 1.0;

@@ -3,6 +3,7 @@
 #include <dn/builder/gnss_factors.h>
 #include <dn/imu/unknown_imu.h>
 #include <dn/imu/white_rows.h>
+#include <dn/navigation/slow_gnss_errors.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/prediction.h>
 
@@ -18,6 +19,7 @@
 namespace dn {
 namespace {
 
+constexpr const char* kGnssSigmaScale = "gnss.sigma_scale";
 constexpr int kMostRounds = 20, kMostScreenings = 3;
 constexpr double kSmallestChange = 0.03;
 // Degrees of freedom of the prior of a variance.
@@ -53,12 +55,12 @@ std::map<std::string, Misfit> ChannelMisfits(const Adjustment& adjustment, int t
 }
 
 /// Makes the GNSS clock an unknown of a flight for as long as this object lives.
-class FreeClock {
+class UnknownClock {
  public:
-  explicit FreeClock(FlightConfig* config) : config_(config), stated_(config->estimate) {}
-  ~FreeClock() { config_->estimate = stated_; }
-  FreeClock(const FreeClock&) = delete;
-  FreeClock& operator=(const FreeClock&) = delete;
+  explicit UnknownClock(FlightConfig* config) : config_(config), stated_(config->estimate) {}
+  ~UnknownClock() { config_->estimate = stated_; }
+  UnknownClock(const UnknownClock&) = delete;
+  UnknownClock& operator=(const UnknownClock&) = delete;
 
   void Free() { adjustment_internal::EstimateGnssClock(config_); }
 
@@ -71,7 +73,7 @@ class FreeClock {
 /// depend on the noise, so that they are not repeated with every size.
 class NoiseRounds {
  public:
-  NoiseRounds(const Flight& flight, const AdjustOptions& options, FreeClock* clock)
+  NoiseRounds(const Flight& flight, const AdjustOptions& options, UnknownClock* clock)
       : flight_(flight), options_(options), clock_(*clock) {}
 
   /// Makes the first adjustment, with all stages.
@@ -84,10 +86,23 @@ class NoiseRounds {
                 : Adjust(flight_, options_);
   }
 
+  /// Adjusts with an unknown clock from now on: larger errors of the positions may hide one.
+  void FreeClock() {
+    clock_.Free();
+    Repeat();
+  }
+
   /// Adjusts with the present noise and screens the measurements again.
   void Screen() { Take(ScreenAgain()); }
 
   std::map<std::string, Misfit> Misfits() const { return ChannelMisfits(last_, options_.threads); }
+
+  /// Returns the slow part of the errors of the GNSS positions, see FindSlowGnssErrors.
+  std::optional<SlowGnssErrors> SlowErrors() const {
+    const Marginals marginals(last_.network->net(),
+                              {.threads = options_.threads, .analysis = last_.analysis});
+    return FindSlowGnssErrors(*last_.network, marginals.linearized());
+  }
 
  private:
   Adjustment ScreenAgain() {
@@ -108,7 +123,7 @@ class NoiseRounds {
 
   const Flight& flight_;
   const AdjustOptions& options_;
-  FreeClock& clock_;
+  UnknownClock& clock_;
   Adjustment last_;
 };
 
@@ -123,6 +138,17 @@ class ScaledSizes {
   }
 
   void Double() { Scale(2.0 * factor_); }
+
+  bool Contain(const std::string& name) const {
+    return std::ranges::any_of(sizes_, [&](const Size& size) { return size.name == name; });
+  }
+
+  /// Continues from this share of the present sizes as a new start.
+  void StartAt(double share) {
+    for (Size& size : sizes_) size.start *= factor_ * share;
+    factor_ = 1.0;
+    Scale(1.0);
+  }
 
   /// Remembers the present sizes for GoBack.
   void Keep() { kept_factor_ = factor_; }
@@ -212,7 +238,7 @@ ScaledSizes Processes(const std::string& name, const TriadUnits& units, SensorNo
 std::vector<ScaledSizes> GnssSizes(Flight* flight) {
   GnssConfig& config = *flight->config.gnss;
   std::vector<ScaledSizes> all{ScaledSizes({"gnss position"}, 1.0)};
-  all.back().Add("gnss.sigma_scale", "1", 1.0, &config.sigma_scale);
+  all.back().Add(kGnssSigmaScale, "1", 1.0, &config.sigma_scale);
   if (!UsesVelocities(*flight)) return all;
   if (!config.velocity_sigma_scale) config.velocity_sigma_scale = config.sigma_scale;
   all.emplace_back(ScaledSizes({"gnss velocity"}, 1.0));
@@ -302,6 +328,42 @@ void Iterate(NoiseRounds* rounds, std::vector<ScaledSizes>* all, NoiseSizes* fou
   }
 }
 
+/// Returns whether nobody stated which part of the GNSS errors is slow.
+bool MayHaveSlowErrors(const GnssConfig& config) {
+  return config.automatic_process && config.processes.empty();
+}
+
+/// Divides the stated errors of the GNSS positions into white and slow ones.
+void Divide(const SlowGnssErrors& slow, GnssConfig* config, std::vector<ScaledSizes>* all) {
+  config->processes.push_back(slow.process);
+  for (ScaledSizes& sizes : *all) {
+    if (sizes.Contain(kGnssSigmaScale)) sizes.StartAt(slow.white_share);
+  }
+}
+
+/// Continues the rounds with slow GNSS errors if the positions show them. If that fails, the sizes
+/// before it remain.
+void AddSlowErrors(NoiseRounds* rounds, FlightConfig* config, std::vector<ScaledSizes>* all,
+                   NoiseSizes* found) {
+  if (!MayHaveSlowErrors(*config->gnss)) return;
+  const std::optional<SlowGnssErrors> slow = rounds->SlowErrors();
+  if (!slow) return;
+  const GnssConfig before = *config->gnss;
+  const std::vector<ScaledSizes> sizes_before = *all;
+  try {
+    Divide(*slow, &*config->gnss, all);
+    rounds->FreeClock();
+    Iterate(rounds, all, found);
+    found->slow_gnss = slow->process;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error&) {
+    *all = sizes_before;
+    for (ScaledSizes& sizes : *all) sizes.GoBack();
+    *config->gnss = before;
+  }
+}
+
 }  // namespace
 
 bool HasUnknownNoise(const FlightConfig& config) {
@@ -312,13 +374,14 @@ NoiseSizes EstimateNoise(const AdjustOptions& options, Flight* flight) {
   adjustment_internal::ExpectCommonTime(*flight);  // larger sizes would hide such a clock
   StartAtRawLevel(*flight->imu, &flight->config.imu->model);
   std::vector<ScaledSizes> all = EstimatedSizes(flight);
-  FreeClock clock(&flight->config);
+  UnknownClock clock(&flight->config);
   NoiseRounds rounds(*flight, options, &clock);
   NoiseSizes found;
   StartRounds(&rounds, &all);
   KeepAll(&all);
   try {
     Iterate(&rounds, &all, &found);
+    AddSlowErrors(&rounds, &flight->config, &all, &found);
   } catch (const Interrupted&) {
     throw;
   } catch (const Error&) {  // the flight can be adjusted with the sizes before

@@ -1,5 +1,3 @@
-#include <dn/median.h>
-#include <dn/navigation/antenna_derivative.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/solvers/residual_form.h>
 
@@ -8,8 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <utility>
 #include <vector>
+
+#include "positions_in_use.h"
 
 namespace dn {
 namespace {
@@ -19,29 +18,7 @@ constexpr std::size_t kFewestPositions = 20;
 constexpr double kShortestInEpochs = 2.0;
 constexpr double kLongestShareOfFlight = 0.2;
 
-/// An active position with the derivative of its residuals with respect to an error along east,
-/// north, up.
-struct PositionInUse {
-  double t_s;
-  int first_row;
-  Eigen::Matrix3d L;  // d residual / d error (east, north, up)
-};
-
-std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
-                                          const LinearizedNetwork& linearized) {
-  std::vector<PositionInUse> positions;
-  for (const GnssEdge& edge : network.gnss().edges()) {
-    const auto rows = linearized.FindRows(edge.position);
-    if (!rows) continue;
-    const Eigen::Matrix3d R_m_enu =
-        network.flight().frame.R_m_enu(network.trajectory().NodePose(edge.node).p_mb);
-    const Eigen::MatrixXd J =
-        AntennaDerivative(network, edge, linearized.EvaluateFactorAt(edge.position));
-    positions.push_back(
-        {linearized.t_s(edge.position), rows->first, std::sqrt(rows->weight) * J * R_m_enu});
-  }
-  return positions;
-}
+using navigation_internal::PositionInUse;
 
 /// Returns the scores y for every axis (rows) and position (columns).
 Eigen::Matrix3Xd Scores(const std::vector<PositionInUse>& positions,
@@ -56,11 +33,7 @@ Eigen::Matrix3Xd Scores(const std::vector<PositionInUse>& positions,
 
 std::vector<double> Taus(const std::vector<PositionInUse>& positions) {
   const double span_s = positions.back().t_s - positions.front().t_s;
-  std::vector<double> steps_s;
-  for (std::size_t k = 1; k < positions.size(); ++k) {
-    steps_s.push_back(positions[k].t_s - positions[k - 1].t_s);
-  }
-  const double step_s = Median(std::move(steps_s));
+  const double step_s = navigation_internal::MedianInterval(positions);
   std::vector<double> taus_s;
   for (double tau_s = kShortestInEpochs * step_s; tau_s <= kLongestShareOfFlight * span_s;
        tau_s *= 2.0) {
@@ -154,7 +127,7 @@ Fit FitProcess(const Axis& axis, Eigen::Index of) {
 class Tester {
  public:
   Tester(const FlightNetwork& network, const Marginals& marginals)
-      : positions_(PositionsInUse(network, marginals.linearized())) {
+      : positions_(navigation_internal::PositionsInUse(network, marginals.linearized())) {
     if (positions_.size() < kFewestPositions) return;
     taus_s_ = Taus(positions_);
     TakeData(marginals.linearized().residual());

@@ -2,7 +2,9 @@
 
 #include <dn/adjustment/adjust.h>
 #include <dn/files/flight.h>
+#include <dn/gnss/gnss_process.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,8 @@ struct NoiseSizes {
   std::vector<NoiseSize> sizes;
   int rounds = 0;          ///< number of adjustments
   bool converged = false;  ///< false: the last round still changed a size by more than 3 %
+  /// Slow errors of the GNSS positions, if the flight shows that most of the stated ones are slow.
+  std::optional<GnssProcess> slow_gnss;
 };
 
 /// Returns true if the flight states that the noise of its inertial unit is not known
