@@ -39,15 +39,22 @@ std::vector<std::string> ReadGapOptions(const std::string& word) {
   return {};
 }
 
-/// Lists the base scenarios: shipped ones by name, others by name and text.
-Json ScenariosJson(const std::vector<std::string>& scenarios) {
+/// Lists the base scenarios: shipped ones by name, others and changed ones by name and text.
+Json ScenariosJson(const std::vector<std::string>& scenarios,
+                   const std::vector<std::string>& changes) {
   const std::vector<std::string> shipped = ScenarioNames();
   Json names = Json::array();
   for (const std::string& scenario : scenarios) {
     // This reports an invalid scenario before the first flight.
-    ExpectOneScanner(ReadScenario(scenario), "dn blind-check");
-    const bool is_shipped = HasName(shipped, scenario);
-    names.push_back(is_shipped ? Json(scenario) : Json{{scenario, ScenarioText(scenario)}});
+    const Scenario changed = ReadScenario(scenario, changes);
+    ExpectOneScanner(changed, "dn blind-check");
+    if (!changes.empty()) {
+      names.push_back({{scenario, FormatScenario(changed)}});
+    } else if (HasName(shipped, scenario)) {
+      names.push_back(scenario);
+    } else {
+      names.push_back({{scenario, ScenarioText(scenario)}});
+    }
   }
   return names;
 }
@@ -69,6 +76,7 @@ BlindSuite MakeSuite(const BlindCheckArguments& options, const std::string& phys
   if (!options.only.empty()) suite.only = RecordContent(options.only);
   suite.size_factor = options.size_factor;
   if (!options.physics.empty()) suite.physics = ParsePhysics(physics, options.physics);
+  suite.changes = options.common.changes;
   return suite;
 }
 
@@ -98,7 +106,7 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
   const std::string physics = PhysicsText(options);
   const BlindSuite suite = MakeSuite(options, physics);
   const Json made_from = {{"seed", options.seed},
-                          {"scenarios", ScenariosJson(options.scenarios)},
+                          {"scenarios", ScenariosJson(options.scenarios, options.common.changes)},
                           {"gap_options", options.gap_options},
                           {"only", options.only},
                           {"size_factor", options.size_factor},
@@ -226,6 +234,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
                   "(docs/reference/physics.md)");
   app->add_flag("--discard-flights", options->discard_flights,
                 "Removes each flight folder (about 20 MB) once the flight is recorded");
+  AddChanges(app, "every scenario", "plan.vibration=none", &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer(
       "Each thread runs one flight at a time. DIR/flights has the flights, DIR/truth their\n"
@@ -236,7 +245,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
   app->callback([options, action] {
     *action = [options] {
       for (const std::string& scenario : options->scenarios) {
-        const Inputs inputs = ScenarioInputs(scenario);
+        const Inputs inputs = ScenarioInputs(scenario, options->common.changes);
         std::copy(inputs.files.begin(), inputs.files.end(),
                   std::back_inserter(options->common.inputs.files));
       }

@@ -129,6 +129,23 @@ void FailUnlessReliable(const std::vector<NamedBoresight>& results) {
   }
 }
 
+bool IsUsable(Verdict verdict) {
+  return verdict == Verdict::kCalibrated || verdict == Verdict::kAbsorbed;
+}
+
+/// Returns which of several methods to use, by the verdict of the dynamic network.
+std::string WhichMethod(Verdict network) {
+  if (IsUsable(network)) {
+    return "use the angles of dn (result.json): it uses all data; the other methods are checks of "
+           "it";
+  }
+  return fmt::format(
+      "use the angles of no method: dn uses all data, and its boresight is {}; the other methods "
+      "use a part of the same data, and cannot see what is wrong. Mend what the reasons of dn "
+      "name, and calibrate again",
+      network == Verdict::kContradicted ? "contradicted" : "not observable");
+}
+
 /// A flight adjusted by the dynamic network, with the calibration results.
 struct NetworkRun {
   std::unique_ptr<FlightRun> flight_run;
@@ -387,14 +404,17 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
     absent.emplace_back("planes", planes.missing);
     run.report()["notes"] = {"planes: " + planes.missing};
   }
-  run.AddFile("comparison.json", FormatJson(ComparisonJson(config.name, methods, absent)));
+  Json comparison = ComparisonJson(config.name, methods, absent);
+  const bool use_network = IsUsable(network.boresight.verdict);
+  comparison["use"] = use_network ? Json("dn") : Json();
+  comparison["why"] = WhichMethod(network.boresight.verdict);
+  run.AddFile("comparison.json", FormatJson(comparison));
   PrintNetwork(*network.flight_run, network.boresight, network.unknowns);
   fmt::print("{}", BeamsSummary(network.beams, true));
   PrintGaussHelmert(config, gh.calibration, gh.timings);
   PrintDifference("gh - dn", Compare(gh.calibration.boresight, network.boresight));
   PrintPlanesOrReason(config, planes, network.boresight);
-  fmt::print(
-      "use the angles of dn (result.json): it uses all data; the other methods are checks of it\n");
+  fmt::print("{}\n", WhichMethod(network.boresight.verdict));
   if (options.georef) {
     AddNewStrips(network.flight_run->flight.config, network.ByScanner(), network.beams,
                  &network.flight_run->trajectory, &run);
@@ -457,6 +477,11 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
     CalibrateStrips(
         ReadFlightConfig(options.flight, options.common.changes), options.trajectory, run,
         [&](const FlightConfig& matched) { CalibrateBy(methods, options, matched, run); });
+  } else if ((methods.gh || (methods.planes && WhyNoPlanes(config).empty())) &&
+             !HasTrajectory(config) && config.imu && config.gnss) {
+    CalibrateSmoothed(config, run, [&](const FlightConfig& smoothed) {
+      CalibrateBy(methods, options, smoothed, run);
+    });
   } else {
     CalibrateBy(methods, options, config, run);
   }

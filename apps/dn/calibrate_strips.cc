@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "given_trajectory.h"
 #include "match_flight.h"
 #include "match_scanners.h"
 
@@ -45,6 +46,20 @@ bool EachHasStrips(const FlightConfig& config) {
   return true;
 }
 
+/// Calls `calibrate` with a flight that names staged files. The written configuration is then
+/// replaced by `published`, which names the paths of the published files.
+void CalibrateStaged(const FlightConfig& staged, const FlightConfig& published, Run& run,
+                     const std::function<void(const FlightConfig&)>& calibrate) {
+  const auto correct = [&] { run.AddFile("config.resolved.yaml", FormatFlightConfig(published)); };
+  try {
+    calibrate(staged);
+  } catch (const FailedWithResults&) {
+    correct();
+    throw;
+  }
+  correct();
+}
+
 /// Stages the matches, and calls `calibrate` with the flight and its pairs.
 template <class Matched>
 void CalibrateMatched(const Matched& matched, Run& run,
@@ -52,17 +67,8 @@ void CalibrateMatched(const Matched& matched, Run& run,
   AddMatches(matched, run);
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
   if (matched.result.pairs() == 0) FailNoPairs();
-  // The calibration reads the staged files, but the written configuration must name the paths of
-  // the published files.
-  const FlightConfig published = WithMatches(matched, run.files().path(), kSmoothed);
-  const auto correct = [&] { run.AddFile("config.resolved.yaml", FormatFlightConfig(published)); };
-  try {
-    calibrate(WithMatches(matched, run.files().staging(), kSmoothed));
-  } catch (const FailedWithResults&) {
-    correct();
-    throw;
-  }
-  correct();
+  CalibrateStaged(WithMatches(matched, run.files().staging(), kSmoothed),
+                  WithMatches(matched, run.files().path(), kSmoothed), run, calibrate);
 }
 
 }  // namespace
@@ -81,6 +87,18 @@ void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, 
   } else {
     CalibrateMatched(MatchFlightStrips(config, trajectory, options, {}, run), run, calibrate);
   }
+}
+
+void CalibrateSmoothed(const FlightConfig& config, Run& run,
+                       const std::function<void(const FlightConfig&)>& calibrate) {
+  run.progress().Warn(
+      "the flight has no trajectory: it is smoothed from its inertial and GNSS "
+      "data, without the pairs");
+  AddSmoothedTrajectory(*AdjustFlight(config, false, &run), "smoothed/", run);
+  const auto in = [&](const std::filesystem::path& folder) {
+    return WithTrajectory(config, (std::filesystem::absolute(folder) / kSmoothed).string());
+  };
+  CalibrateStaged(in(run.files().staging()), in(run.files().path()), run, calibrate);
 }
 
 }  // namespace dn::apps

@@ -18,4 +18,9 @@ bool HasStripsAlone(const FlightConfig& config);
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
                      const std::function<void(const FlightConfig&)>& calibrate);
 
+/// Smooths the trajectory of a flight from its inertial and GNSS data, stages it in smoothed/, and
+/// calls `calibrate` with the flight on this trajectory.
+void CalibrateSmoothed(const FlightConfig& config, Run& run,
+                       const std::function<void(const FlightConfig&)>& calibrate);
+
 }  // namespace dn::apps

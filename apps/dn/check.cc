@@ -304,7 +304,7 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
       [&] { return WhatCalibrateDoes(flight); });
   add("calibrate --method gh",
       {{one, one_scanner},
-       {"a trajectory", flight.trajectory.has_value() || (matches && imu && gnss)},
+       {"a trajectory", flight.trajectory.has_value() || (imu && gnss)},
        {"pairs", pairs},
        {"pairs inside the trajectory", !flight.counts.contains("pairs outside the trajectory")}},
       [&] { return WhatGaussHelmertDoes(flight); });
@@ -324,9 +324,25 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
   return verdicts;
 }
 
-void PrintVerdicts(const Flight& flight, bool strips, Json* json) {
+/// Returns one sentence on all files: which calibrations or trajectories they allow.
+std::string Summary(const std::vector<CommandVerdict>& verdicts, std::size_t hints,
+                    std::size_t problems) {
+  if (problems > 0) return "not usable: a file cannot be read; mend the problem below first";
+  std::vector<std::string> possible;
+  for (const CommandVerdict& verdict : verdicts) {
+    const bool estimates = verdict.command != "match" && verdict.command != "georef";
+    if (verdict.possible && estimates) possible.push_back("dn " + verdict.command);
+  }
+  if (possible.empty()) return "incomplete: no calibration and no trajectory is possible yet";
+  const std::string list = fmt::format("{}", fmt::join(possible, ", "));
+  if (hints == 0) return "ready: " + list;
+  return fmt::format("doubtful: look at the {} above before {}",
+                     hints == 1 ? "hint" : fmt::format("{} hints", hints), list);
+}
+
+void PrintVerdicts(const std::vector<CommandVerdict>& verdicts, Json* json) {
   (*json)["commands"] = Json::object();
-  for (const CommandVerdict& verdict : Verdicts(flight, strips)) {
+  for (const CommandVerdict& verdict : verdicts) {
     fmt::print("dn {:<22} {}{}\n", verdict.command, verdict.possible ? "possible: " : "",
                verdict.why);
     (*json)["commands"][verdict.command] = {{"possible", verdict.possible},
@@ -394,7 +410,12 @@ void Summarise(const Flight& flight, Json* json) {
   for (const auto& [reason, count] : flight.counts) {
     if (count > 0) fmt::print("note            {}: {}\n", reason, count);
   }
-  PrintVerdicts(flight, !strips.empty(), json);
+  const std::vector<CommandVerdict> verdicts = Verdicts(flight, !strips.empty());
+  PrintVerdicts(verdicts, json);
+  const std::string summary =
+      Summary(verdicts, (*json)["hints"].size(), (*json)["problems"].size());
+  fmt::print("verdict         {}\n", summary);
+  (*json)["verdict"] = summary;
 }
 
 void Check(const CheckArguments& options, Run& run) {

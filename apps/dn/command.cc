@@ -226,7 +226,13 @@ void Run::PublishFailure(const std::string& kind, const std::string& message) {
   if (!files_) return;
   files_->Discard();
   report_ = FailureReport(std::move(report_), kind, message);
+  const bool of_data = kind == "input" || kind == "not_observable" || kind == "not_converged";
+  if (of_data) {
+    report_["tried"] = progress_.stages();
+    report_["files"].push_back(kPageName);
+  }
   files_->Add(kReportName, FormatJson(report_));
+  if (of_data) AddPage();
   files_->Commit();
 }
 

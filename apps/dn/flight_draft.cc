@@ -25,6 +25,8 @@ namespace fs = std::filesystem;
 constexpr double kSqrtHourPerSqrtS = 1.0 / 60.0;
 // The stated noise is this factor times the noise of the data.
 constexpr double kWhiteMargin = 1.5;
+// Sigma of a lever arm that nobody stated: antennas and scanners are mounted within a metre.
+constexpr double kLeverArmSigmaM = 0.5;
 constexpr const char* kDefaultImu = "IMU.txt";
 constexpr const char* kDefaultGnss = "GPS.txt";
 
@@ -482,7 +484,28 @@ std::string FlightDraft::SensorsText() const {
   return text + ImuText() + GnssText() + LidarText();
 }
 
-std::string FlightDraft::Text() const { return SensorsText() + TrajectoryText(); }
+std::string FlightDraft::UnmodelledText() const {
+  std::vector<std::string> unknown;
+  if (imu_ && gnss_) unknown.push_back(fmt::format("gnss_lever_arm: {}", kLeverArmSigmaM));
+  if (LacksScannerLeverArm()) {
+    unknown.push_back(fmt::format("lidar_lever_arm: {}", kLeverArmSigmaM));
+  }
+  if (unknown.empty()) return {};
+  return fmt::format(
+      "\n# The lever arms are MISSING: these are sigmas of what they may be, m. Remove each with "
+      "the\n# surveyed lever arm.\nunmodelled: {{{}}}\n",
+      fmt::join(unknown, ", "));
+}
+
+bool FlightDraft::LacksScannerLeverArm() const {
+  return !pairs_.empty() || std::ranges::any_of(strip_scanners_, [](const StripScanner& scanner) {
+    return !scanner.mounting || !scanner.mounting->lever_arm_b_m;
+  });
+}
+
+std::string FlightDraft::Text() const {
+  return SensorsText() + TrajectoryText() + UnmodelledText();
+}
 
 std::vector<std::string> FlightDraft::Missing() const {
   std::vector<std::string> missing = axes_notes_;

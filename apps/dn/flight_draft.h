@@ -55,6 +55,8 @@ class FlightDraft {
   std::string BeamsText() const;
   std::string GeoreferencingText() const;
   std::string TrajectoryText() const;
+  std::string UnmodelledText() const;
+  bool LacksScannerLeverArm() const;
   std::string ColumnsText() const;
   std::string Named(const std::filesystem::path& file) const;
 

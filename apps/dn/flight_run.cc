@@ -305,7 +305,7 @@ void PrintClocks(const Clocks& clocks) {
 }
 
 void PrintReasons(const std::vector<std::string>& reasons, const std::string& file) {
-  constexpr std::size_t kMaxPrinted = 5;
+  constexpr std::size_t kMaxPrinted = 3;
   for (std::size_t k = 0; k < std::min(kMaxPrinted, reasons.size()); ++k) {
     fmt::print("  {}\n", reasons[k]);
   }

@@ -84,7 +84,8 @@ void ExpectData(const fs::path& folder, const std::vector<FileContent>& contents
   if (!draft.empty()) return;
   PrintContents(folder, contents, draft);
   std::fflush(stdout);
-  const std::string what = contents.empty() ? " is empty" : " has only the files listed above";
+  const bool listed = !contents.empty() || !FindStripFolders(folder).empty();
+  const std::string what = listed ? " has only the files listed above" : " is empty";
   throw InvalidInput(folder.string() + what +
                      ": add a trajectory, or inertial data and GNSS positions of the flight "
                      "(docs/reference/formats.md)");

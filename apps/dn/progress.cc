@@ -71,6 +71,10 @@ void Progress::Stage(const std::string& stage, const Share& share) {
 void Progress::Show(const Moment& moment) {
   const bool entered = moment.stage != stage_;
   stage_ = moment.stage;
+  if (entered) {
+    std::erase(stages_, stage_);
+    stages_.push_back(stage_);
+  }
   if (as_json_) {
     ShowJson(moment, entered);
     return;

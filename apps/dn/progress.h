@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dn::apps {
 
@@ -42,6 +43,9 @@ class Progress {
   void Stage(const std::string& stage, const Share& share);
   void Warn(const std::string& message);
 
+  /// Returns the stages, each once, in the order in which they were last entered.
+  const std::vector<std::string>& stages() const { return stages_; }
+
  private:
   struct Moment {
     std::string stage, detail;
@@ -55,6 +59,7 @@ class Progress {
 
   std::string command_;
   std::string stage_;
+  std::vector<std::string> stages_;
   TimeLeft time_left_;
   Stopwatch watch_;
   double last_json_s_ = 0.0;

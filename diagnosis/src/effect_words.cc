@@ -3,6 +3,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/geo/local_frame.h>
 #include <dn/names.h>
+#include <dn/report/value_words.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -19,9 +20,8 @@ constexpr double kLeastP = 1e-12;
 constexpr double kImprobable = 0.05;
 
 std::string Size(const GapCause& cause, Eigen::Index i) {
-  const std::string value = Rounded(cause.estimate[i], 3);
   const bool known = i < cause.sigma.size() && std::isfinite(cause.sigma[i]);
-  return known ? value + " +- " + Rounded(cause.sigma[i], 2) : value;
+  return known ? FormatWithSigma(cause.estimate[i], cause.sigma[i]) : Rounded(cause.estimate[i], 3);
 }
 
 std::string Unit(const std::string& unit) { return unit == "1" ? "" : " " + unit; }

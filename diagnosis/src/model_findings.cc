@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "evidence.h"
+#include "finding_causes.h"
 
 namespace dn {
 namespace diagnosis_internal {
@@ -27,11 +28,13 @@ void Add(Fact fact, bool contradicts, double evidence, ModelCheck* check) {
   check->findings.push_back({std::move(fact), contradicts, evidence});
 }
 
-void JudgeGnssClock(const std::optional<ClockEstimate>& clock, ModelCheck* check) {
-  if (!clock) return;
+/// Returns whether a finding reports the GNSS clock.
+bool JudgeGnssClock(const std::optional<ClockEstimate>& clock, ModelCheck* check) {
+  if (!clock || !(clock->shows_offset() || clock->shows_drift())) return false;
   Add(facts::GnssTimeOff{*clock, check->gnss_clock_shift, check->of_boresight},
       check->gnss_clock_shift > kMaxShiftInSigmas && !check->gnss_clock_within_prior, kConclusive,
       check);
+  return true;
 }
 
 /// `told`: a finding already reports the GNSS clock.
@@ -185,6 +188,7 @@ void Sort(ModelCheck* check) {
                      if (a.contradicts != b.contradicts) return a.contradicts;
                      return a.evidence > b.evidence;
                    });
+  SortByCause(&check->findings);
 }
 
 /// Judges an adjustment on a fixed trajectory. `sigma0` is relative to its expectation under the
@@ -226,8 +230,8 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
     JudgeMounting(Log(network.net().Value(network.calibration().boresight())), check);
   }
   JudgeAttitude(network, check);
-  JudgeGnssClock(adjustment.gnss_clock, check);
-  JudgeEffects(adjustment.gnss_clock.has_value(), check);
+  const bool clock_told = JudgeGnssClock(adjustment.gnss_clock, check);
+  JudgeEffects(clock_told, check);
   JudgeDiscrepancies(check);
   JudgeCompetingEffects(check);
   JudgeCommonErrors(check);
@@ -315,7 +319,8 @@ void AddFindings(const ModelCheck& check, BoresightResult* boresight) {
     const bool told = std::any_of(
         check.findings.begin(), check.findings.end(),
         [&](const Finding& finding) { return finding.fact.index() == reason.fact.index(); });
-    if (!told) reasons.push_back(reason);
+    const bool refuted = check.contradicted() && reason.As<facts::TrajectoryEstimated>() != nullptr;
+    if (!told && !refuted) reasons.push_back(reason);
   }
   boresight->reasons = std::move(reasons);
 }

@@ -48,7 +48,7 @@ class Division {
 };
 
 /// One point of the grid.
-struct GridPoint {
+struct WeightedDivision {
   Index division = 0;
   double theta = 0.0, white = 1.0;
   double log = 0.0;  // likelihood ratio to theta = 0, times the prior
@@ -59,9 +59,9 @@ double LogGridPrior(std::size_t divisions) {
   return std::log((1.0 - kProbabilityOfNone) / static_cast<double>(divisions * kSizes));
 }
 
-std::vector<GridPoint> MakeGrid(const std::vector<ClusterSums>& divisions, double sum_of_squares,
-                                double redundancy) {
-  std::vector<GridPoint> grid;
+std::vector<WeightedDivision> MakeGrid(const std::vector<ClusterSums>& divisions,
+                                       double sum_of_squares, double redundancy) {
+  std::vector<WeightedDivision> grid;
   for (std::size_t d = 0; d < divisions.size(); ++d) {
     const Division division(divisions[d], sum_of_squares, redundancy);
     const Likelihood none = division.At(0.0);
@@ -93,14 +93,15 @@ class WeightedMoments {
   double weight_ = 0.0, sum_ = 0.0, squares_ = 0.0;
 };
 
-SharedVariance Summarise(const std::vector<GridPoint>& grid, const std::vector<double>& lengths_m) {
+SharedVariance Summarise(const std::vector<WeightedDivision>& grid,
+                         const std::vector<double>& lengths_m) {
   SharedVariance posterior;
   posterior.shared = VectorXd::Zero(static_cast<Index>(lengths_m.size()));
   double most = grid.front().log, sum = 0.0;
-  for (const GridPoint& point : grid) most = std::max(most, point.log);
-  for (const GridPoint& point : grid) sum += std::exp(point.log - most);
+  for (const WeightedDivision& point : grid) most = std::max(most, point.log);
+  for (const WeightedDivision& point : grid) sum += std::exp(point.log - most);
   WeightedMoments white, size, length;
-  for (const GridPoint& point : grid) {
+  for (const WeightedDivision& point : grid) {
     const double probability = std::exp(point.log - most) / sum;
     white.Add(probability, point.white);
     if (point.theta == 0.0) continue;
@@ -137,7 +138,7 @@ SharedVariance EstimateSharedVariance(const std::vector<ClusterSums>& divisions,
 }
 
 SharedVariance PriorSharedVariance(const std::vector<double>& lengths_m) {
-  std::vector<GridPoint> grid{{0, 0.0, 1.0, std::log(kProbabilityOfNone)}};
+  std::vector<WeightedDivision> grid{{0, 0.0, 1.0, std::log(kProbabilityOfNone)}};
   for (std::size_t d = 0; d < lengths_m.size(); ++d) {
     for (int k = 0; k < kSizes; ++k) {
       grid.push_back({static_cast<Index>(d), Theta(k), 1.0, LogGridPrior(lengths_m.size())});

@@ -180,11 +180,19 @@ std::optional<Shaking> FindShaking(const ImuData& imu) {
   return Survey(MeanSpectrum(imu, parts), parts.size(), imu.nominal_dt_s).Run();
 }
 
+/// Formats a value with two digits, without an exponent above 100.
+std::string TwoDigits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof(text), value < 99.5 ? "%.2g" : "%.0f", value);
+  return text;
+}
+
 std::string Describe(const Shaking& shaking) {
   char text[200];
-  std::snprintf(text, sizeof(text), "%.2g m/s^2 and %.2g deg/s rms from %.0f to %.0f Hz",
-                shaking.accel_mps2.maxCoeff(), kDegPerRad * shaking.rate_radps.maxCoeff(),
-                shaking.low_hz, shaking.high_hz);
+  std::snprintf(text, sizeof(text), "%s m/s^2 and %s deg/s rms from %.0f to %.0f Hz",
+                TwoDigits(shaking.accel_mps2.maxCoeff()).c_str(),
+                TwoDigits(kDegPerRad * shaking.rate_radps.maxCoeff()).c_str(), shaking.low_hz,
+                shaking.high_hz);
   std::string all = text;
   for (std::size_t k = 0; k < shaking.lines.size(); ++k) {
     std::snprintf(text, sizeof(text), "%s%.1f", k == 0 ? ", lines at " : ", ",
@@ -192,12 +200,13 @@ std::string Describe(const Shaking& shaking) {
     all += text;
   }
   if (!shaking.lines.empty()) all += " Hz";
-  std::snprintf(
-      text, sizeof(text),
-      "; it turns the sensor by %.2g mdeg and shifts it by %.2g mm rms; unresolved coning "
-      "is at most %.2g deg/h, and sculling %.2g mg",
-      1e3 * kDegPerRad * shaking.turn_rad, 1e3 * shaking.shift_m,
-      3600.0 * kDegPerRad * shaking.coning_radps, shaking.sculling_mps2 / 9.80665e-3);
+  std::snprintf(text, sizeof(text),
+                "; it turns the sensor by %s mdeg and shifts it by %s mm rms; unresolved coning "
+                "is at most %s deg/h, and sculling %s mg",
+                TwoDigits(1e3 * kDegPerRad * shaking.turn_rad).c_str(),
+                TwoDigits(1e3 * shaking.shift_m).c_str(),
+                TwoDigits(3600.0 * kDegPerRad * shaking.coning_radps).c_str(),
+                TwoDigits(shaking.sculling_mps2 / 9.80665e-3).c_str());
   return all + text;
 }
 

@@ -207,13 +207,16 @@ void ExpectError(const ProgramRun& run, int exit_code, const std::string& what) 
   EXPECT_THAT(run.err.substr(at), HasSubstr(what));
 }
 
-TEST(CliGaussHelmert, WithoutATrajectorySaysHowToMakeOne) {
+TEST(CliGaussHelmert, WithoutATrajectoryTheFlightIsSmoothedFirst) {
   for (const char* method : {"gh", "all"}) {
     const DamagedFlight flight;
     const ProgramRun run = flight.Run("calibrate", {"--method", method});
-    ExpectError(run, 1, "`dn smooth " + flight.path().string() + " --out DIR`");
-    EXPECT_THAT(run.err, HasSubstr("--trajectory DIR/trajectory.out"));
-    EXPECT_THAT(NamesIn(flight.out()), ElementsAre("report.json"));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("it is smoothed"));
+    const fs::path smoothed = flight.out() / "smoothed/trajectory.out";
+    EXPECT_TRUE(fs::exists(smoothed));
+    EXPECT_THAT(FileContent(flight.out() / "config.resolved.yaml"), HasSubstr(smoothed.string()));
+    EXPECT_TRUE(fs::exists(flight.out() / "result.json"));
   }
 }
 
@@ -299,7 +302,7 @@ TEST(CliGaussHelmert, TooFewPairsAndTheSamePairAgain) {
 TEST(CliGaussHelmert, CheckSaysWhetherItIsPossible) {
   const DamagedFlight flight;
   const ProgramRun before = RunProgram({"check", flight.path().string()});
-  EXPECT_THAT(before.out, HasSubstr("dn calibrate --method gh  missing: a trajectory"));
+  EXPECT_THAT(before.out, HasSubstr("a trajectory that it smooths first"));
   fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
   const ProgramRun after = RunProgram({"check", flight.path().string()});
   EXPECT_THAT(after.out, HasSubstr("dn calibrate --method gh  possible"));

@@ -164,7 +164,7 @@ TEST(OwnData, EveryProblemIsTold) {
               AllOf(HasSubstr("GPS.txt:3"), HasSubstr("\"counts\"")));
 }
 
-TEST(OwnDataManyRuns, AFailedRunKeepsItsCounts) {
+TEST(OwnDataManyRuns, AFailedRunKeepsWhatIsKnown) {
   const DamagedFlight flight;
   EachRow(flight, "GPS.txt", [](std::size_t i, Row* row) {
     if (i % 2 == 0) (*row)[3] += 500.0;
@@ -173,6 +173,8 @@ TEST(OwnDataManyRuns, AFailedRunKeepsItsCounts) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(FileContent(flight.out() / "report.json"),
               AllOf(HasSubstr("\"gnss epochs\""), HasSubstr("\"read\"")));
+  EXPECT_THAT(FileContent(flight.out() / "report.html"),
+              AllOf(HasSubstr("refused"), HasSubstr("What was tried"), HasSubstr("gnss epochs")));
 }
 
 /// A folder that contains only the raw logs of the short flight, modified by `change`.
@@ -202,7 +204,8 @@ TEST(CliInit, FromLogsToATrajectoryInThreeCommands) {
   const ProgramRun init = RunProgram({"init", raw.path()});
   EXPECT_EQ(init.exit_code, 0) << init.err;
   EXPECT_THAT(init.out, AllOf(HasSubstr("inertial data"), HasSubstr("missing  gnss.lever_arm_m")));
-  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("50.00 Hz"), HasSubstr("grade: unknown")));
+  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("50.00 Hz"), HasSubstr("grade: unknown"),
+                                HasSubstr("unmodelled: {gnss_lever_arm: 0.5}")));
   EXPECT_EQ(RunProgram({"check", raw.path()}).exit_code, 0);
   RunProgram({"smooth", raw.path(), "--out", raw.out()});
   EXPECT_TRUE(fs::exists(fs::path(raw.out()) / "trajectory.out"));

@@ -99,7 +99,8 @@ TEST(CliCheck, SummarisesAndSaysWhatIsPossible) {
   EXPECT_EQ(run.exit_code, 0);
   for (const char* text :
        {"flight          short", "50.00 Hz", "400 in 1 files, 2 strips",
-        "dn smooth                 possible", "dn calibrate --method dn  possible"}) {
+        "dn smooth                 possible", "dn calibrate --method dn  possible",
+        "verdict         ready: dn smooth, dn calibrate --method dn"}) {
     EXPECT_THAT(run.out, HasSubstr(text));
   }
 }

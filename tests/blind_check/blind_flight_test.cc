@@ -67,6 +67,15 @@ TEST(BlindFlight, OfASuiteOfOneContentHasThat) {
   EXPECT_THROW(RecordContent("everything"), InvalidInput);
 }
 
+TEST(BlindFlight, TakesTheChangesOfItsSuite) {
+  BlindSuite suite = Suite();
+  suite.changes = {"gnss.rate_hz=7"};
+  const BlindFlight flight = DrawBlindFlight(suite, 3);
+  EXPECT_EQ(flight.scenario.gnss.rate_hz, 7.0);
+  EXPECT_NE(DrawBlindFlight(Suite(), 3).scenario.gnss.rate_hz, 7.0);
+  EXPECT_EQ(flight.seed, DrawBlindFlight(Suite(), 3).seed);
+}
+
 TEST(BlindFlight, IsTheSameForTheSameSuiteAndNumber) {
   for (const int number : {1, 17}) {
     const BlindFlight flight = DrawBlindFlight(Suite(), number);

@@ -176,6 +176,19 @@ void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
   append({"Adjustment", {AdjustmentTable(one.result["adjustment"])}, true});
 }
 
+/// Returns which method to use, why others have no result, and the differences of the methods.
+Section MethodsSection(const Facts& comparison,
+                       const std::vector<std::pair<std::string, Facts>>& named) {
+  Section section{"Do the methods agree?", {}};
+  const Tone tone = comparison["use"].text().empty() ? Tone::kBad : Tone::kGood;
+  section.contents.emplace_back(Paragraph{comparison["why"].text(), tone});
+  for (const std::string& note : comparison["notes"].texts()) {
+    section.contents.emplace_back(Paragraph{"No result of " + note, Tone::kDoubtful});
+  }
+  section.contents.emplace_back(DifferenceTable(named));
+  return section;
+}
+
 }  // namespace
 
 std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder) {
@@ -211,7 +224,8 @@ Document CalibrationPage(const ResultFolder& folder) {
     document.headlines.push_back(CalibrationHeadline(one, several));
     named.emplace_back(MethodName(one.result), one.result);
   }
-  if (several) Append({"Do the methods agree?", {DifferenceTable(named)}}, &document);
+  if (several) Append(MethodsSection(folder.Read("comparison.json"), named), &document);
+  Append(StripSurfacesSection(folder), &document);
   Append(SeparationByMethod(all), &document);
   for (const Calibrated& one : all) AppendAll(folder, one, several, &document);
   Append(TrajectorySection(folder), &document);

@@ -27,7 +27,7 @@ Table Sensors(const FlightConfig& config) {
   };
   if (config.imu) {
     const ImuModel& model = config.imu->model;
-    add("inertial unit", config.imu->grade.value_or("own figures"));
+    add("inertial unit", config.imu->grade.value_or("by the noise below"));
     add("gyro white noise [deg/sqrt(h)]",
         fmt::format("{:.3g}", model.gyro.white / RadPerSqrtSFromDegPerSqrtHour(1.0)));
     add("accelerometer white noise [m/s/sqrt(h)]",
@@ -71,10 +71,25 @@ Table LargestParts(const Facts& boresight) {
   return table;
 }
 
+/// Returns the control by the surfaces of the strips: rms of their height differences. Without
+/// rows if the strips were not georeferenced.
+Table SurfaceControl(const ResultFolder& folder) {
+  Table table{"Control: rms of the height differences of the strips on flat ground [m]",
+              {"", "cells", "before", "after"},
+              {},
+              ""};
+  for (const Facts& pair : folder.Read("georef.json")["strip_differences"].elements()) {
+    if (table.rows.size() == kMostStripPairs) break;
+    table.rows.push_back(Row(pair["strips"][0].text() + "-" + pair["strips"][1].text(),
+                             {pair["after"]["cells"].Count(), pair["before"]["rms_m"].Decimals(3),
+                              pair["after"]["rms_m"].Decimals(3)}));
+  }
+  return table;
+}
+
 /// Returns the control by the pairs of strips: mean differences before and after.
-Table Control(const Facts& result) {
-  Table table{
-      "Control: mean difference of the pairs [m]", {"", "pairs", "before", "after"}, {}, ""};
+Table PairControl(const Facts& result) {
+  Table table{"Control: mean distance of the pairs [m]", {"", "pairs", "before", "after"}, {}, ""};
   const std::vector<Facts> pairs = result["strip_pairs"].elements();
   for (const Facts& pair : pairs) {
     if (table.rows.size() == kMostStripPairs) break;
@@ -119,7 +134,8 @@ std::vector<Section> Certificate(const ResultFolder& folder, const Calibrated& c
   verdict.contents.emplace_back(CertifiedAngles(result["boresight"]));
   Table parts = LargestParts(result["boresight"]);
   if (!parts.rows.empty()) verdict.contents.emplace_back(std::move(parts));
-  verdict.contents.emplace_back(Control(result));
+  Table control = SurfaceControl(folder);
+  verdict.contents.emplace_back(control.rows.empty() ? PairControl(result) : std::move(control));
   Section basis{"Basis", {}};
   if (const auto config = folder.Config()) basis.contents.emplace_back(Sensors(*config));
   basis.contents.emplace_back(CertifiedInputs(folder.report()));

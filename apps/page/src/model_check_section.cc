@@ -1,4 +1,5 @@
 #include <dn/effects/effect_table.h>
+#include <dn/report/value_words.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -111,8 +112,10 @@ std::string EffectSize(const Facts& effect) {
   std::string text;
   for (std::size_t k = 0; k < effect["estimate"].elements().size(); ++k) {
     const double sigma = effect["sigma"][k].number();
-    text += fmt::format("{}{:.3g}", k == 0 ? "" : ", ", effect["estimate"][k].number());
-    if (std::isfinite(sigma)) text += fmt::format(" ± {:.2g}", sigma);
+    const double value = effect["estimate"][k].number();
+    if (k > 0) text += ", ";
+    text +=
+        std::isfinite(sigma) ? FormatWithSigma(value, sigma, "±") : fmt::format("{:.3g}", value);
     const bool own_unit = spec != nullptr && k < spec->components.size();
     const std::string unit = own_unit ? spec->components[k].unit : effect["unit"].text();
     if (unit != "1") text += " " + unit;
@@ -121,7 +124,7 @@ std::string EffectSize(const Facts& effect) {
 }
 
 std::vector<std::string> FirstReasons(const Facts& assessment) {
-  constexpr std::size_t kMaxPrinted = 5;
+  constexpr std::size_t kMaxPrinted = 3;
   std::vector<std::string> reasons = assessment["reasons"].texts();
   if (reasons.size() <= kMaxPrinted) return reasons;
   const std::size_t more = reasons.size() - kMaxPrinted;

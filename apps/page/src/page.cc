@@ -17,6 +17,18 @@ Document OtherPage(const ResultFolder& folder) {
   if (const Facts error = report["error"]) {
     document.headlines = {{"failed", error["message"].text(), Tone::kBad}};
   }
+  if (const std::string verdict = report["verdict"].text(); !verdict.empty()) {
+    const std::size_t colon = verdict.find(": ");
+    Headline headline{verdict.substr(0, colon), verdict.substr(colon + 2), Tone::kDoubtful};
+    if (headline.word == "ready") headline.tone = Tone::kGood;
+    for (const Facts& hint : report["hints"].elements()) {
+      headline.reasons.push_back(hint["text"].text());
+    }
+    for (const std::string& problem : report["problems"].texts()) {
+      headline.reasons.push_back(problem);
+    }
+    document.headlines.push_back(std::move(headline));
+  }
   Table commands{"Commands that are possible with this flight", {"command", "", ""}, {}};
   for (const std::string& command : report["commands"].keys()) {
     const bool possible = report["commands"][command]["possible"].flag();
@@ -47,6 +59,7 @@ Document PageWithoutRun(const ResultFolder& folder) {
   if (folder.Has("georef.json")) return GeorefPage(folder);
   if (folder.Has("blind_check.json")) return BlindPage(folder);
   if (folder.Has("sweep.json")) return SweepPage(folder);
+  if (folder.report()["tried"]) return RefusalPage(folder);
   return OtherPage(folder);
 }
 

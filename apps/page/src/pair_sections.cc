@@ -28,13 +28,6 @@ constexpr std::size_t kMostDots = 600;  // per cloud
 constexpr std::size_t kBins = 15;
 constexpr double kFewest = 8.0;  // smallest number of pairs in a bin with a mean
 
-/// Limits of the swath overlap difference, RMSDz [m]: USGS Lidar Base Specification 2.1, table 2.
-struct QualityLevel {
-  const char* name;
-  double most_m;
-};
-constexpr QualityLevel kUsgs[] = {{"QL0", 0.04}, {"QL1, QL2", 0.08}, {"QL3", 0.16}};
-
 Table StripPairs(const Facts& list) {
   Table table{"Differences of the pairs by pair of strips",
               {"strips", "pairs", "before: mean length [m]", "rms E [m]", "rms N", "rms U",
@@ -55,24 +48,6 @@ Table StripPairs(const Facts& list) {
     add(Three(after["rms_enu_m"], 3));
     add({after["mean_enu_m"][2].Decimals(4)});
     table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
-Table Usgs(const Facts& all) {
-  const Facts rms = all["after"]["rms_enu_m"][2];
-  Table table{
-      "Height differences between the swaths, by USGS quality level",
-      {"quality level", "at most [m]", "here [m]", ""},
-      {},
-      "Swath overlap difference (RMSDz) of the USGS Lidar Base Specification 2.1. Pairs are "
-      "single points: their differences include the noise of ranging and matching. A surface of "
-      "many points is better than this."};
-  for (const QualityLevel& level : kUsgs) {
-    const bool met = rms.number() <= level.most_m;
-    table.rows.push_back(
-        Row(level.name, {Cell{Number{level.most_m, 2}}, rms.Decimals(3),
-                         Text(met ? "met" : "not met", met ? Tone::kGood : Tone::kDoubtful)}));
   }
   return table;
 }
@@ -149,7 +124,13 @@ Section PairSection(const ResultFolder& folder, const Facts& result, const std::
   const Facts list = result["strip_pairs"];
   if (list.elements().empty()) return section;
   section.contents.emplace_back(StripPairs(list));
-  section.contents.emplace_back(Usgs(list.elements().back()));
+  if (!folder.Has("georef.json")) {
+    section.contents.emplace_back(
+        UsgsTable(list.elements().back()["after"]["rms_enu_m"][2].number(),
+                  "These are differences of pairs, with the noise of their matching, and no "
+                  "differences of surfaces: dn calibrate --georef compares the surfaces of the "
+                  "strips."));
+  }
   const auto pairs = folder.Numbers("pair_residuals" + suffix + ".txt", kColumns);
   if (!pairs) return section;
   const std::vector<double> t_s = Column(*pairs, kTime);

@@ -40,6 +40,12 @@ std::vector<Cell> PureModelRow(const Facts& boresight);
 /// names.
 Section PairSection(const ResultFolder& folder, const Facts& result, const std::string& suffix);
 
+/// Returns a table of the USGS quality levels that height differences with this rms meet.
+Table UsgsTable(double rms_m, const std::string& note);
+
+/// Returns the height differences of the surfaces of the strips, before and after, by georef.json.
+Section StripSurfacesSection(const ResultFolder& folder);
+
 /// Shares of the pairs of two strips by height difference, before or after the step in `when`.
 struct Separation {
   std::string strips;
@@ -123,5 +129,7 @@ Document BlindPage(const ResultFolder& folder);
 Document SweepPage(const ResultFolder& folder);
 /// Returns the page of a command without a verdict: simulate, check.
 Document OtherPage(const ResultFolder& folder);
+/// Returns the page of a command that refused its data: reason, steps that were tried, data.
+Document RefusalPage(const ResultFolder& folder);
 
 }  // namespace dn::page_internal

@@ -9,25 +9,24 @@ namespace {
 
 constexpr int kMostDecimals = 15;
 
-/// Formats a number with this many decimals, without zeros at their end.
+/// Formats a number with this many decimals, without the sign of a zero.
 std::string Fixed(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
-  if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
+  if (text.find_first_not_of("-0.") == std::string::npos && text[0] == '-') text.erase(0, 1);
+  return text;
 }
 
 }  // namespace
 
-std::string FormatWithSigma(double value, double sigma) {
+std::string FormatWithSigma(double value, double sigma, const char* plus_minus) {
   if (!std::isfinite(value) || !std::isfinite(sigma) || !(sigma > 0.0)) {
-    return fmt::format("{:.10g} +- {:.2g}", value, sigma);
+    return fmt::format("{:.10g} {} {:.2g}", value, plus_minus, sigma);
   }
   const int digit = static_cast<int>(std::floor(std::log10(sigma))) - 1;
   const double last = std::pow(10.0, digit);
   const int decimals = std::clamp(-digit, 0, kMostDecimals);
-  return Fixed(last * std::round(value / last), decimals) + " +- " +
-         Fixed(last * std::round(sigma / last), decimals);
+  return fmt::format("{} {} {}", Fixed(last * std::round(value / last), decimals), plus_minus,
+                     Fixed(last * std::round(sigma / last), decimals));
 }
 
 }  // namespace dn

@@ -34,19 +34,31 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
           sigma(axes.rph_from_body, node.q_mb.id)};
 }
 
+// Returns the time of the first gap of the inertial data in which a filter loses the attitude.
+double FirstLongGap(const ImuData& imu) {
+  constexpr double kLongGapS = 3.0;
+  const auto gap = std::ranges::find_if(
+      imu.gaps, [](const ImuGap& one) { return one.t_end_s - one.t_begin_s > kLongGapS; });
+  return gap == imu.gaps.end() ? std::numeric_limits<double>::infinity() : gap->t_begin_s;
+}
+
 // Adds the innovations of a forward filter that starts at the adjusted trajectory with a diffuse
-// prior. The first ones are left out, until the filter has converged.
+// prior. The first ones are left out, until the filter has converged, and those after a long gap.
 void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   constexpr double kSettleS = 30.0;
   const adjustment_internal::DiffusePriorFilter filter(adjustment);
   const FilterRun run = filter.Run(FilterDirection::kForward);
   const double settled_s = filter.times().front() + kSettleS;
+  const double lost_s = FirstLongGap(*adjustment.network->flight().imu);
   for (const bool velocity : {false, true}) {
     std::vector<double> t_s;
     std::vector<std::vector<double>> values(3);
     double nis = 0.0;
     for (const Innovation& innovation : run.innovations) {
-      if (innovation.velocity != velocity || innovation.t_s < settled_s) continue;
+      if (innovation.velocity != velocity || innovation.t_s < settled_s ||
+          innovation.t_s > lost_s) {
+        continue;
+      }
       t_s.push_back(innovation.t_s);
       for (std::size_t a = 0; a < 3; ++a) {
         values[a].push_back(innovation.normalised[static_cast<Eigen::Index>(a)]);

@@ -74,8 +74,10 @@ void CountRejected(AdjustmentRun& run) {
                               " GNSS epochs (" +
                               RejectedCountsText(CountLeftOutGnss(run.network())) +
                               "), first at t = " + fmt::format("{:.3f}", first.t_s) + " s: ",
-                          "a clock that steps, a changed reference, wrong time tags or wrong "
-                          "axes; correct the data, or limit time_span_s to the good part",
+                          "the stated noise is much too small, a clock steps, a reference changes, "
+                          "or time tags or axes are wrong; estimate the noise (imu.grade: "
+                          "unknown) if it is not from a data sheet, look at the time tags, or "
+                          "limit time_span_s to the good part",
                           {run.flight().config.gnss->file, first.line});
 }
 
@@ -152,9 +154,7 @@ bool TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
 class EpochScreener {
  public:
   EpochScreener(AdjustmentRun& run, bool clock_may_step)
-      : run_(run),
-        noise_ratio_(StatedNoiseRatio(run.flight())),
-        clock_may_step_(clock_may_step) {}
+      : run_(run), noise_ratio_(StatedNoiseRatio(run.flight())), clock_may_step_(clock_may_step) {}
 
   /// Makes one pass; returns false if nothing is left to change.
   bool Once() {

@@ -269,11 +269,11 @@ std::string Say(const facts::GnssErrorsCorrelated& fact) {
   return fmt::format(
       "the GNSS positions have time-correlated errors: the lag-1 correlation of their residuals is "
       "{:.2f}, {:.2f}, {:.2f} (east, north, up), and white noise would give {:.2f}, {:.2f}, {:.2f} "
-      "(p = {:.1g}). A process of {:g} s and {:g}, {:g}, {:g} m fits them. Unless the inertial "
+      "({}). A process of {:g} s and {:g}, {:g}, {:g} m fits them. Unless the inertial "
       "noise is stated too small, add to flight.yaml gnss.processes: [{}]; without it the "
       "covariances are too small",
       test.lag1.x(), test.lag1.y(), test.lag1.z(), test.lag1_expected.x(), test.lag1_expected.y(),
-      test.lag1_expected.z(), std::min(test.p_value_together, test.p_value.minCoeff()),
+      test.lag1_expected.z(), P(std::min(test.p_value_together, test.p_value.minCoeff())),
       process.tau_s, process.sigma_enu_m.x(), process.sigma_enu_m.y(), process.sigma_enu_m.z(),
       FormatGnssProcess(process));
 }

@@ -16,6 +16,9 @@
 namespace dn {
 namespace {
 
+// Inertial data bridge this time without GNSS positions.
+constexpr double kGnssReach_s = 30.0;
+
 using files_internal::CoveredTime;
 namespace fs = std::filesystem;
 
@@ -354,6 +357,27 @@ class FolderReader {
       if (outside == 0) ++complete;
     }
     if (needs_.optional && complete == 0) files_internal::ExpectInSpan(pairs, coverages.front());
+    if (flight_.imu && flight_.gnss && !flight_.gnss->epochs.empty()) CheckPairsNearGnss(pairs);
+  }
+
+  /// Requires that some pairs are near GNSS positions: far from any, an inertial trajectory drifts
+  /// by kilometres.
+  void CheckPairsNearGnss(const PairData& pairs) {
+    const CoveredTime near{"GNSS",
+                           flight_.gnss->epochs.front().t_s - kGnssReach_s,
+                           flight_.gnss->epochs.back().t_s + kGnssReach_s,
+                           {}};
+    const long outside = files_internal::CountOutside(pairs, near);
+    Count("pairs far from GNSS", outside);
+    if (needs_.optional || pairs.pairs.empty() || outside < static_cast<long>(pairs.pairs.size()))
+      return;
+    const auto [first, last] = std::ranges::minmax_element(pairs.pairs, {}, &LidarPair::t_i_s);
+    throw InvalidInput(
+        "GNSS covers " +
+            files_internal::SpanText(near.t_begin_s + kGnssReach_s, near.t_end_s - kGnssReach_s) +
+            ", but the pairs lie at " + files_internal::SpanText(first->t_i_s, last->t_i_s) +
+            ": nothing determines the trajectory there; give the GNSS data of that time",
+        FileLocation{pairs.files.front().string(), 0, 0});
   }
 
   void ReadControlPart() {

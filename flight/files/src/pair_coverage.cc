@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace dn::files_internal {
 namespace {
@@ -15,11 +14,7 @@ namespace {
 constexpr double kHoleS = 1.0;
 constexpr double kHoleSteps = 5.0;
 
-std::string Seconds(double t_s) {
-  char text[48];
-  std::snprintf(text, sizeof(text), "%.6f", t_s);
-  return text;
-}
+std::string Seconds(double t_s) { return FormatDouble(std::round(t_s * 1e6) / 1e6); }
 
 FileLocation PairLocation(const LidarPair& pair, const PairData& data) {
   return {data.files[static_cast<std::size_t>(pair.file)].string(), pair.line, 0};

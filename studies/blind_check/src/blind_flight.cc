@@ -23,8 +23,9 @@ BlindContent DrawContent(Random& random) {
   return BlindContent::kUnlistedEffect;
 }
 
-Scenario DrawScenario(const std::string& base, Random& random) {
-  Scenario scenario = ReadScenario(base);
+Scenario DrawScenario(const std::string& base, const std::vector<std::string>& changes,
+                      Random& random) {
+  Scenario scenario = ReadScenario(base, changes);
   ExpectOneScanner(scenario, "the blind check");
   if (scenario.plan.replay) {
     throw InvalidConfig(
@@ -106,7 +107,7 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
   flight.number = number;
   flight.seed = BlindFlightSeed(suite.seed, number);
   flight.base = suite.scenarios[DrawIndex(suite.scenarios.size(), random)];
-  flight.scenario = DrawScenario(flight.base, random);
+  flight.scenario = DrawScenario(flight.base, suite.changes, random);
   flight.scenario.name = fmt::format("flight_{:03}", number);
   const FlightTimes times = PlannedTimes(flight.scenario, flight.seed);
   const BlindContent content = suite.only ? *suite.only : DrawContent(random);

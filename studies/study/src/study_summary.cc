@@ -6,6 +6,10 @@
 #include <dn/study/study_output.h>
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <set>
+#include <string>
+
 namespace dn {
 namespace {
 
@@ -36,22 +40,42 @@ std::string UnknownLines(const std::vector<StudyUnknown>& unknowns) {
   return text;
 }
 
-std::string DirectionLines(const StudyResult& study, const StudyDirection& direction) {
-  const std::string indent(10, ' ');
+constexpr std::size_t kIndent = 10;
+
+/// Returns cause and remedy of a weak direction.
+std::string RemedyLines(const StudyResult& study, const StudyDirection& direction) {
+  const std::string indent(kIndent, ' ');
+  std::string remedy = RemedyWords(study, direction);
+  if (const auto tried = direction.remedy()) {
+    remedy += fmt::format(": {:.3g} {}", tried->sigma, direction.unit);
+  }
+  return "  cause   " + WrapText(CauseWords(study, direction), indent) + "  remedy  " +
+         WrapText(remedy, indent);
+}
+
+std::string DirectionLines(const StudyDirection& direction) {
   std::string text = "weak      ";
   for (std::size_t i = 0; i < direction.unknowns.size(); ++i) {
     const auto& [name, weight] = direction.unknowns[i];
     text += fmt::format("{}{} ({:.2f})", i == 0 ? "" : ", ", name, weight);
   }
-  text += fmt::format("\n{}sigma of {} {:.3g} {}, multiple correlation with the others {:.2f}\n",
-                      indent, direction.leading, direction.sigma, direction.unit,
-                      direction.correlation);
-  text += "  cause   " + WrapText(CauseWords(study, direction), indent);
-  std::string remedy = RemedyWords(study, direction);
-  if (const auto tried = direction.remedy()) {
-    remedy += fmt::format(": {:.3g} {}", tried->sigma, direction.unit);
+  return text + fmt::format(
+                    "\n{}sigma of {} {:.3g} {} in the pure model, multiple correlation with the "
+                    "others {:.2f}\n",
+                    std::string(kIndent, ' '), direction.leading, direction.sigma, direction.unit,
+                    direction.correlation);
+}
+
+/// Returns the weak directions. A cause with its remedy is told once.
+std::string WeakLines(const StudyResult& study) {
+  std::string text;
+  std::set<std::string> told;
+  for (const StudyDirection& direction : study.weak) {
+    text += DirectionLines(direction);
+    const std::string remedy = RemedyLines(study, direction);
+    text += told.insert(remedy).second ? remedy : "  cause   as above, and the same remedy\n";
   }
-  return text + "  remedy  " + WrapText(remedy, indent);
+  return text;
 }
 
 /// Returns the predicted sigmas of the scanners after the first, and of every two.
@@ -92,8 +116,7 @@ std::string StudySummary(const StudyResult& study) {
       "m\n",
       study.strips.roll_pitch_rad * kDegPerRad, study.strips.yaw_rad * kDegPerRad,
       study.strips.position_m);
-  for (const StudyDirection& direction : study.weak) text += DirectionLines(study, direction);
-  return text;
+  return text + WeakLines(study);
 }
 
 }  // namespace dn

@@ -99,7 +99,8 @@ struct ModelCheck {
   /// Probability of a smallest p-value as small as that of this flight if the model holds. It is
   /// uniform then for a network; for other methods it is the smallest family-wise p-value.
   double p_value = 1.0;
-  std::vector<Finding> findings;  ///< the contradicting ones first
+  /// The contradicting ones first; of these, and of the others, the first of each cause.
+  std::vector<Finding> findings;
 
   double SmallestPValue() const;  ///< family-wise, of all tests; 1 if there are none
   bool contradicted() const;

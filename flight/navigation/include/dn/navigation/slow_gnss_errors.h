@@ -16,7 +16,7 @@ struct SlowGnssErrors {
 
 /// Divides the stated errors of the GNSS positions if the positions change from epoch to epoch by
 /// less than half of what white noise of the stated sigmas would cause. Code receivers and filtered
-/// positions are of this kind: their errors last for minutes.
+/// positions are of this kind: their errors are correlated over minutes.
 ///
 /// Let e_i be the residual of position i along an axis, divided by its stated sigma, and
 ///
@@ -24,9 +24,9 @@ struct SlowGnssErrors {
 ///
 /// on the axis where it is largest. Inertial data keep the trajectory smooth over some seconds, so
 /// that D is that of the GNSS errors. The white part gets the variance D of the shortest interval
-/// from 1 s on, since receivers filter their positions. The slow
-/// part gets the rest of the stated variance, because one flight cannot show an error that all its
-/// positions share. Its time constant is the shortest that any interval up to 8 s demands:
+/// from 1 s on, since receivers filter their positions. The slow part gets the rest of the stated
+/// variance, because one flight cannot show an error that all its positions share. Its time
+/// constant is the shortest that any interval up to 8 s demands:
 ///
 ///   D(T) = white_share^2 + (1 - white_share^2) (1 - exp(-T / tau)).
 ///

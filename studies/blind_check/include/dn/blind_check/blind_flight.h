@@ -34,6 +34,7 @@ struct BlindSuite {
   double size_factor = 1.0;  ///< on the sizes of the effects of the table, positive
   /// Effects outside the library that flights may contain; empty: those of UnlistedEffectNames.
   std::vector<DescribedPhysics> physics = {};
+  std::vector<std::string> changes = {};  ///< of every base scenario, "key=value"
 };
 
 /// One flight of a series.
