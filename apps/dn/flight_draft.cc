@@ -173,15 +173,11 @@ std::string FlightDraft::Named(const fs::path& file) const {
   return file.lexically_relative(folder_).generic_string();
 }
 
-void FlightDraft::TakeOne(const FileContent& content, const char* usual, const char* what,
+void FlightDraft::TakeOne(const FileContent& content, const char* usual,
                           std::optional<FileContent>* place) {
   const bool better = *place && Named(content.file) == usual;
   if (*place) {
-    const FileContent& other = better ? **place : content;
-    const FileContent& used = better ? content : **place;
-    notes_.push_back(
-        fmt::format("{} also contains {}; {} is used", Named(other.file), what, Named(used.file)));
-    others_.push_back(other);
+    others_.push_back(better ? **place : content);
   }
   if (!*place || better) *place = content;
 }
@@ -193,16 +189,16 @@ void FlightDraft::Take(const FileContent& content) {
   }
   switch (content.kind) {
     case FileKind::kImu:
-      TakeOne(content, kDefaultImu, "inertial data", &imu_);
+      TakeOne(content, kDefaultImu, &imu_);
       break;
     case FileKind::kGnss:
-      TakeOne(content, kDefaultGnss, "GNSS data", &gnss_);
+      TakeOne(content, kDefaultGnss, &gnss_);
       break;
     case FileKind::kTrajectory:
-      TakeOne(content, "trajectory.out", "a trajectory", &trajectory_);
+      TakeOne(content, "trajectory.out", &trajectory_);
       break;
     case FileKind::kSmrmsg:
-      TakeOne(content, "", "standard deviations", &smrmsg_);
+      TakeOne(content, "", &smrmsg_);
       break;
     case FileKind::kPairs:
       pairs_.push_back(content);
@@ -226,7 +222,10 @@ void FlightDraft::TakeReadable(FileKind kind, std::optional<FileContent>* place)
     } catch (const InvalidInput& error) {
       const FileLocation& where = error.where();
       const std::string line = where.line > 0 ? fmt::format(" (line {})", where.line) : "";
-      notes_.push_back(Named((*place)->file) + " is not used: " + error.what() + line);
+      const std::string name = Named((*place)->file);
+      std::erase(notes_, name + ": " + (*place)->why);
+      notes_.push_back(name + " is not used: " + error.what() + line);
+      rejected_.push_back(**place);
       place->reset();
     }
     const auto next = std::ranges::find(others_, kind, &FileContent::kind);
@@ -237,11 +236,31 @@ void FlightDraft::TakeReadable(FileKind kind, std::optional<FileContent>* place)
   }
 }
 
+void FlightDraft::NoteOthers() {
+  for (const FileContent& other : others_) {
+    const auto note = [&](const char* what, const std::optional<FileContent>& used) {
+      notes_.push_back(fmt::format("{} also contains {}; {} is used", Named(other.file), what,
+                                   Named(used->file)));
+    };
+    if (other.kind == FileKind::kImu) note("inertial data", imu_);
+    if (other.kind == FileKind::kGnss) note("GNSS data", gnss_);
+    if (other.kind == FileKind::kTrajectory) note("a trajectory", trajectory_);
+    if (other.kind == FileKind::kSmrmsg) note("standard deviations", smrmsg_);
+  }
+}
+
+bool FlightDraft::Rejected(const FileContent& content) const {
+  return std::ranges::any_of(rejected_, [&](const FileContent& each) {
+    return each.file == content.file && each.kind == content.kind;
+  });
+}
+
 void FlightDraft::Settle() {
   if (imu_) imu_offset_s_ = imu_->time_offset_s;
   if (gnss_) gnss_offset_s_ = gnss_->time_offset_s;
   TakeReadable(FileKind::kImu, &imu_);
   TakeReadable(FileKind::kGnss, &gnss_);
+  NoteOthers();
   try {
     SettleSensors();
   } catch (const InvalidInput& error) {
@@ -367,9 +386,14 @@ std::string FlightDraft::ImuText() const {
       "tag\n";
   if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # from the size of the rates\n";
   if (imu_->forces_in_g) text += "  force_unit: g                 # from the size of gravity\n";
+  const bool rates = imu_->imu_format == ImuFormat::kOdyn;
+  if (imu_->rate_unit > 0.0) {
+    text += fmt::format("  rate_unit: {}   # {} of one unit of the file\n",
+                        FormatDouble(imu_->rate_unit), rates ? "rad/s" : "rad");
+  }
   if (imu_->force_unit > 0.0) {
-    text += fmt::format("  rate_unit: {}   # rad of one count\n", FormatDouble(imu_->rate_unit));
-    text += fmt::format("  force_unit: {}   # m/s of one count\n", FormatDouble(imu_->force_unit));
+    text += fmt::format("  force_unit: {}   # {} of one unit of the file\n",
+                        FormatDouble(imu_->force_unit), rates ? "m/s^2" : "m/s");
   }
   text += fmt::format("  R_imu_to_body: {}   # data in axes {}: {}\n", MatrixText(R_imu_to_body_),
                       AxesName(R_imu_to_body_),

@@ -33,15 +33,18 @@ class FlightDraft {
   const std::vector<std::string>& found() const { return found_; }
   /// Files that are not used, with the reason.
   const std::vector<std::string>& notes() const { return notes_; }
+  /// Returns whether a file of a known kind could not be read.
+  bool Rejected(const FileContent& content) const;
   /// Returns the missing data and the values that the user must supply, one line each.
   std::vector<std::string> Missing() const;
 
  private:
   void Take(const FileContent& content);
-  void TakeOne(const FileContent& content, const char* usual, const char* what,
-               std::optional<FileContent>* place);
+  void TakeOne(const FileContent& content, const char* usual, std::optional<FileContent>* place);
   /// Replaces the files of a sensor until one can be read.
   void TakeReadable(FileKind kind, std::optional<FileContent>* place);
+  /// Notes the further files of each kind.
+  void NoteOthers();
   void SettleSensors();
   /// Compares the rotations of all other inertial files with those of the file in use.
   void CompareOtherUnits();
@@ -62,7 +65,8 @@ class FlightDraft {
 
   std::filesystem::path folder_;
   std::optional<FileContent> imu_, gnss_, trajectory_, smrmsg_;
-  std::vector<FileContent> others_;  ///< further files of the kinds above
+  std::vector<FileContent> others_;    ///< further files of the kinds above
+  std::vector<FileContent> rejected_;  ///< files that cannot be read
   std::vector<FileContent> pairs_;
   std::size_t num_beams_ = 0;  ///< that the pairs name; 0: none
   std::vector<StripScanner> strip_scanners_;

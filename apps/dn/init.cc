@@ -66,7 +66,7 @@ void ExpectFolder(const fs::path& folder) {
 void PrintContents(const fs::path& folder, const std::vector<FileContent>& contents,
                    const FlightDraft& draft) {
   for (const FileContent& content : contents) {
-    if (content.kind == FileKind::kUnknown) continue;
+    if (content.kind == FileKind::kUnknown || draft.Rejected(content)) continue;
     fmt::print("found    {:<22} {}\n", content.file.lexically_relative(folder).string(),
                KindName(content.kind));
   }

@@ -369,6 +369,23 @@ TEST(CliInit, AFolderWithoutDataIsListedWithWhatIsMissing) {
   EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
 }
 
+TEST(CliInit, AFileThatCannotBeReadHasOneLineWithTheReason) {
+  const RawFolder raw;
+  raw.Write("second.txt", FileContent(fs::path(raw.path()) / "IMU.txt"));
+  fs::remove(fs::path(raw.path()) / "IMU.txt");
+  std::string rows;
+  for (int i = 0; i < 5000; ++i) {
+    rows += std::to_string(381000 + 0.01 * i) + " 0.01 0.02 0.03 0.1 0.2 -9.8\n";
+  }
+  raw.Write("first.txt", rows + "381060 0.01 broken 0.1 0.1 0.2 -9.8\n");
+  const ProgramRun run = RunProgram({"init", raw.path()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("first.txt is not used: "));
+  EXPECT_EQ(run.out.find("first.txt"), run.out.rfind("first.txt")) << run.out;
+  EXPECT_THAT(run.out, Not(HasSubstr("also contains")));
+  EXPECT_THAT(raw.Yaml(), HasSubstr("file: \"second.txt\""));
+}
+
 TEST(OwnData, NoiseWithoutADataSheetIsEstimatedAndListed) {
   const DamagedFlight flight;
   const ProgramRun smooth = flight.Run("smooth", {"--set", "imu.grade=unknown"});

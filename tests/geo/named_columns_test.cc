@@ -26,6 +26,8 @@ TEST(TextFields, SeparatorsBlanksAndQuotes) {
   EXPECT_THAT(SplitFields("1, 2,,\"a, b\", 5, "), ElementsAre("1", "2", "", "a, b", "5"));
   EXPECT_THAT(SplitFields("1;2,5;x y;"), ElementsAre("1", "2,5", "x y"));
   EXPECT_TRUE(SplitFields(" \t\r").empty());
+  EXPECT_THAT(SplitFields("1.5,$VNIMU,-2.5*5F\r"), ElementsAre("1.5", "$VNIMU", "-2.5"));
+  EXPECT_THAT(SplitFields("1 2*3"), ElementsAre("1", "2*3"));
   EXPECT_EQ(FieldNumber("+1.5"), 1.5);
   EXPECT_FALSE(FieldNumber("nan"));
   EXPECT_FALSE(FieldNumber("1.#IND"));
@@ -52,8 +54,12 @@ TEST(NamedColumns, AnyOrderSignAndUnit) {
 }
 
 TEST(NamedColumns, UnitsOfTimeAndWeeks) {
-  for (const auto& [name, text] :
-       {std::pair{"t", "1.5"}, {"t_ms", "1500"}, {"t_us", "1500000"}, {"t_ns", "1500000000"}}) {
+  for (const auto& [name, text] : {std::pair{"t", "1.5"},
+                                   {"t_ms", "1500"},
+                                   {"t_us", "1500000"},
+                                   {"t_ns", "1500000000"},
+                                   {"t_min", "0.025"},
+                                   {"t_100us", "15000"}}) {
     EXPECT_DOUBLE_EQ(Read(std::string(text) + " 7\n", {name, "h"}, {"h"}).row(0)[0], 1.5) << name;
   }
   const TextTable t = Read("2280 604799 1\n2281 0 2\n", {"week", "t", "h"}, {"h"});

@@ -20,7 +20,9 @@ constexpr std::array<Addend, 6> kAddends{{{"undulation", "h", 1.0, false},
                                           {"lon_sec", "lon", kPerSecond, true}}};
 
 const std::map<std::string, ColumnQuantity>& OtherNames() {
-  static const std::map<std::string, ColumnQuantity> names{{"t_ms", {"t", 1e-3}},
+  static const std::map<std::string, ColumnQuantity> names{{"t_min", {"t", 60.0}},
+                                                           {"t_ms", {"t", 1e-3}},
+                                                           {"t_100us", {"t", 1e-4}},
                                                            {"t_us", {"t", 1e-6}},
                                                            {"t_ns", {"t", 1e-9}},
                                                            {"east", {"lat"}},

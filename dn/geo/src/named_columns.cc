@@ -112,9 +112,10 @@ void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& 
     const std::string quantity = geo_internal::ParseColumnName(name).quantity;
     if (quantity == "skip" || geo_internal::IsCondition(quantity)) continue;
     if (!IsKnown(quantity, quantities)) {
-      throw InvalidInput("'" + name +
-                         "' is not a column; the columns are t (t_ms, t_us, t_ns), week, " +
-                         Listed(quantities) + ", skip");
+      throw InvalidInput(
+          "'" + name +
+          "' is not a column; the columns are t (t_min, t_ms, t_100us, t_us, t_ns), week, " +
+          Listed(quantities) + ", skip");
     }
     if (!seen.insert(quantity).second) throw InvalidInput("'" + name + "' is named twice");
   }

@@ -1,6 +1,7 @@
 #include <dn/geo/text_fields.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <system_error>
@@ -42,9 +43,18 @@ std::vector<std::string_view> SplitAt(std::string_view line, std::string_view se
   return fields;
 }
 
+/// Returns the line without a checksum at its end, such as "*5F".
+std::string_view WithoutChecksum(std::string_view line) {
+  const std::size_t end = line.find_last_not_of(" \t\r");
+  if (end == std::string_view::npos || end < 3 || line[end - 2] != '*') return line;
+  const auto is_digit = [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; };
+  return is_digit(line[end - 1]) && is_digit(line[end]) ? line.substr(0, end - 2) : line;
+}
+
 }  // namespace
 
 std::vector<std::string_view> SplitFields(std::string_view line) {
+  line = WithoutChecksum(line);
   const bool semicolons = line.find(';') != std::string_view::npos;
   if (!semicolons && line.find(',') == std::string_view::npos) return SplitAtBlanks(line);
   return SplitAt(line, semicolons ? ";" : ",");

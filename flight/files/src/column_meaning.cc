@@ -29,8 +29,42 @@ std::vector<std::string> SplitWords(NamePart name) {
   return words;
 }
 
+bool IsUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+bool IsLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
+
+bool IsLetter(const NamePart& name, std::size_t at) {
+  return at < name.size() && (IsLower(name[at]) || IsUpper(name[at]));
+}
+
+/// Returns whether a capital begins a word, as in "rotationRate", "IMUAcc", "accX" and "xAcc".
+/// Single letters other than an axis belong to the next word, as in "dT" and "HDop". A height is an
+/// exception: "hEll".
+bool BeginsWord(NamePart name, std::size_t at) {
+  constexpr NamePart kAxes = "xyzXYZ";
+  if (at == 0 || !IsUpper(name[at])) return false;
+  const bool axis_after = kAxes.find(name[at]) != NamePart::npos && !IsLetter(name, at + 1);
+  const bool word_after = IsLetter(name, at + 1);
+  const bool word_before =
+      (at > 1 && IsLetter(name, at - 2)) || kAxes.find(name[at - 1]) != NamePart::npos;
+  const bool is_height = name.substr(at).starts_with("Ell") || name.substr(at).starts_with("MSL");
+  if (is_height && LowerCase(name.substr(0, at)).ends_with('h')) return true;
+  if (IsLower(name[at - 1])) return axis_after || (word_after && word_before);
+  return IsUpper(name[at - 1]) && word_before && at + 2 < name.size() && IsLower(name[at + 1]) &&
+         IsLower(name[at + 2]);
+}
+
+/// Puts blanks before the words that begin with a capital.
+std::string WithWordsApart(NamePart name) {
+  std::string apart;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if (BeginsWord(name, i)) apart += ' ';
+    apart += name[i];
+  }
+  return apart;
+}
+
 /// Words that may be joined with an axis or a direction: "accx", "wy", "sdn", "vnorth", "tx".
-constexpr std::array<NamePart, 29> kStems{"acc",
+constexpr std::array<NamePart, 34> kStems{"acc",
                                           "accel",
                                           "acceleration",
                                           "accelerometer",
@@ -58,20 +92,33 @@ constexpr std::array<NamePart, 29> kStems{"acc",
                                           "t",
                                           "p",
                                           "pos",
-                                          "position"};
+                                          "position",
+                                          "gyros",
+                                          "angrate",
+                                          "angularrate",
+                                          "force",
+                                          "gravity"};
 constexpr std::array<NamePart, 13> kEndings{"north", "east", "up", "down", "height", "x", "y",
                                             "z",     "w",    "n",  "e",    "u",      "d"};
 
-/// Splits an axis or a direction from the words, so that "accx" becomes "acc", "x".
+bool IsStem(NamePart word) { return std::find(kStems.begin(), kStems.end(), word) != kStems.end(); }
+
+bool IsAxis(NamePart word) { return word == "x" || word == "y" || word == "z"; }
+
+/// Splits an axis or a direction from the words, so that "accx" and "xacc" become "acc" and "x".
 std::vector<std::string> WithAxisApart(const std::vector<std::string>& words) {
+  constexpr std::size_t kLeastAfterAxis = 3;  // "xt" is not an axis with a stem
   std::vector<std::string> apart;
   for (const NamePart word : words) {
     const auto ending = std::find_if(kEndings.begin(), kEndings.end(), [&](NamePart each) {
-      return word.ends_with(each) &&
-             std::find(kStems.begin(), kStems.end(), word.substr(0, word.size() - each.size())) !=
-                 kStems.end();
+      return word.ends_with(each) && IsStem(word.substr(0, word.size() - each.size()));
     });
-    if (ending == kEndings.end()) {
+    const bool axis_first =
+        word.size() > kLeastAfterAxis && IsAxis(word.substr(0, 1)) && IsStem(word.substr(1));
+    if (axis_first) {
+      apart.emplace_back(word.substr(1));
+      apart.emplace_back(word.substr(0, 1));
+    } else if (ending == kEndings.end()) {
       apart.emplace_back(word);
     } else {
       apart.emplace_back(word.substr(0, word.size() - ending->size()));
@@ -81,10 +128,19 @@ std::vector<std::string> WithAxisApart(const std::vector<std::string>& words) {
   return apart;
 }
 
-/// A name without its unit, as words.
+/// A name without its unit, as words in lower case. A word of several words such as "GPSTime" is
+/// there as a whole and in parts.
 class NameWords {
  public:
-  explicit NameWords(NamePart name) : words_(WithAxisApart(SplitWords(name))) {}
+  explicit NameWords(NamePart name)
+      : words_(WithAxisApart(SplitWords(LowerCase(name)))),
+        apart_(WithAxisApart(SplitWords(LowerCase(WithWordsApart(name))))) {
+    whole_ = words_.size();
+    if (apart_ != words_) words_.insert(words_.end(), apart_.begin(), apart_.end());
+  }
+
+  /// Returns the parts of the name, each once.
+  const std::vector<std::string>& parts() const { return apart_; }
 
   bool Any(Choices choices) const {
     return std::any_of(choices.begin(), choices.end(),
@@ -93,7 +149,7 @@ class NameWords {
   bool Is(NamePart word) const {
     return std::find(words_.begin(), words_.end(), word) != words_.end();
   }
-  bool Only(NamePart word) const { return words_.size() == 1 && words_[0] == word; }
+  bool Only(NamePart word) const { return whole_ == 1 && words_[0] == word; }
 
   /// Returns the letter of the axis x, y, z; 0 if the name has none.
   char BodyAxis() const {
@@ -121,8 +177,19 @@ class NameWords {
   }
 
  private:
-  std::vector<std::string> words_;
+  std::vector<std::string> words_, apart_;
+  std::size_t whole_ = 0;
 };
+
+bool IsMinutes(const std::string& unit) {
+  return unit == "min" || unit == "mins" || unit.starts_with("minute");
+}
+
+/// Returns whether the unit is one of times, but not one that a file can be read in.
+bool IsLongTime(const std::string& unit) {
+  return unit == "h" || unit == "hr" || unit == "d" || unit.starts_with("hour") ||
+         unit.starts_with("day");
+}
 
 bool IsTimeUnit(const std::string& unit) {
   for (const NamePart each :
@@ -130,7 +197,7 @@ bool IsTimeUnit(const std::string& unit) {
         "microsecond", "microseconds", "ns", "nanosecond", "nanoseconds"}) {
     if (unit == each) return true;
   }
-  return false;
+  return IsMinutes(unit);
 }
 
 std::string TimeName(const NameWords& words, const std::string& unit) {
@@ -139,11 +206,15 @@ std::string TimeName(const NameWords& words, const std::string& unit) {
     return "week";
   }
   const bool is_time =
-      words.Any({"time", "timestamp", "t", "tow", "sow", "gpstime", "utctime", "itow",
-                 "sampletimefine", "stamp", "seconds", "secs", "gpsseconds", "epoch"});
-  if (!is_time || words.BodyAxis() != 0 || words.Any({"date", "datetime"}) ||
-      (!unit.empty() && !IsTimeUnit(unit)))
+      words.Any({"time", "timestamp", "t", "tow", "sow", "gpstime", "utctime", "itow", "stamp",
+                 "seconds", "secs", "gpsseconds", "epoch", "zeit", "tiempo"});
+  const bool is_interval = words.Any({"delta", "relative", "interval", "acc", "accuracy"});
+  if (!is_time || is_interval || words.BodyAxis() != 0 || words.Any({"date", "datetime"})) {
     return {};
+  }
+  if (IsLongTime(unit)) return kOtherQuantity;
+  if (!unit.empty() && !IsTimeUnit(unit)) return {};
+  if (IsMinutes(unit)) return "t_min";
   if (unit.starts_with("ms") || unit.starts_with("milli") || words.Any({"ms", "msec", "millis"})) {
     return "t_ms";
   }
@@ -161,26 +232,42 @@ bool IsSigma(const NameWords& words) {
   return words.Any({"sd", "std", "stdev", "stddev", "sigma", "rms", "sdv", "stdv", "accuracy"});
 }
 
-std::string InertialName(const NameWords& words) {
-  const char axis = words.BodyAxis();
-  if (axis == 0 || IsSigma(words) ||
-      words.Any({"mag", "magnetic", "magnetometer", "covariance", "bias"})) {
-    return {};
-  }
+bool IsNotInertial(const NameWords& words) {
+  return words.Any({"mag", "magnetic", "magnetometer", "magnetfeld", "gravity", "euler"});
+}
+
+/// Returns kRate or kForce for a sensor of inertial data, else nothing.
+std::string InertialQuantity(const NameWords& words) {
+  if (IsSigma(words) || IsNotInertial(words) || words.Any({"covariance", "bias"})) return {};
   if (words.Any({"gyr", "gyro", "gyroscope", "gyros", "angular", "angularvelocity", "angularrate",
-                 "omega", "w", "rate", "rot", "imugyro"})) {
-    return std::string("w") + axis;
+                 "angrate", "omega", "w", "rate", "rot", "imugyro"})) {
+    return kRate;
   }
   if (words.Any({"acc", "accel", "accelerometer", "acceleration", "accels", "force",
                  "specificforce", "f", "a"})) {
-    return std::string("f") + axis;
+    return kForce;
   }
   // "gx" stands for a gyro beside "ax", and for nothing else.
-  return words.Is("g") ? std::string("w") + axis : std::string();
+  return words.Is("g") ? kRate : "";
+}
+
+std::string InertialName(const NameWords& words) {
+  const char axis = words.BodyAxis();
+  const std::string quantity = axis == 0 ? std::string() : InertialQuantity(words);
+  return quantity.empty() ? quantity : quantity + axis;
+}
+
+/// Returns a count of rows, or a vector that is neither of inertial data nor a position.
+std::string OtherName(const NameWords& words) {
+  if (words.Any({"counter", "count", "packetcounter", "packet", "sequence", "seq", "index"})) {
+    return kRowCount;
+  }
+  const bool velocity = words.Any({"v", "vel", "velocity"}) && words.BodyAxis() != 0;
+  return IsNotInertial(words) || velocity ? kOtherQuantity : "";
 }
 
 std::string AttitudeName(const NameWords& words) {
-  if (IsSigma(words)) return {};
+  if (IsSigma(words) || words.Any({"rate", "speed", "bias"})) return {};
   if (words.Any({"q", "quat", "quaternion", "orientation"})) {
     for (const char axis : {'w', 'x', 'y', 'z'}) {
       if (words.Is(NamePart(&axis, 1))) return std::string("q") + axis;
@@ -215,7 +302,10 @@ std::string MapName(const NameWords& words) {
   if (words.Any({"sea", "sealevel", "msl", "amsl", "orthometric", "geoid"})) {
     return has_height || words.Any({"msl", "amsl"}) ? "h_msl" : "";
   }
-  if (words.Any({"above", "separation", "sonar", "max"})) return {};
+  if (words.Any({"above", "separation", "sonar", "max", "baro", "barometric", "pressure",
+                 "relative", "rel", "agl", "home", "acc"})) {
+    return {};
+  }
   for (const char* angle : {"lat", "lon"}) {
     if (!words.Any(angle == NamePart("lat") ? Choices{"lat", "latitude"}
                                             : Choices{"lon", "lng", "long", "longitude"})) {
@@ -227,21 +317,131 @@ std::string MapName(const NameWords& words) {
   return has_height ? "h" : PlaneName(words);
 }
 
+/// Replaces the signs of units by letters, in the encodings that programs write.
+std::string WithPlainSigns(NamePart name) {
+  struct Sign {
+    NamePart bytes, plain;
+  };
+  // Single bytes are those of Latin-1, unless they continue a character of UTF-8.
+  static constexpr std::array<Sign, 13> kSigns{{{"\xC2\xB0", " deg "},
+                                                {"\xC2\xBA", " deg "},
+                                                {"\xC2\xB2", "2"},
+                                                {"\xC2\xB9", "1"},
+                                                {"\xC2\xB7", "."},
+                                                {"\xC2\xB5", "u"},
+                                                {"\xCE\xBC", "u"},
+                                                {"\xE2\x81\xBB", "-"},
+                                                {"\xE2\x88\x92", "-"},
+                                                {"\xE2\x8B\x85", "."},
+                                                {"\xB0", " deg "},
+                                                {"\xB2", "2"},
+                                                {"\xB5", "u"}}};
+  std::string plain;
+  while (!name.empty()) {
+    const bool continues = !plain.empty() && static_cast<unsigned char>(plain.back()) >= 0x80;
+    const auto sign = std::find_if(kSigns.begin(), kSigns.end(), [&](const Sign& each) {
+      return name.starts_with(each.bytes) && !(continues && each.bytes.size() == 1);
+    });
+    if (sign == kSigns.end()) {
+      plain += name.front();
+      name.remove_prefix(1);
+    } else {
+      plain += sign->plain;
+      name.remove_prefix(sign->bytes.size());
+    }
+  }
+  return plain;
+}
+
+/// Parts of a name such as "gyro_rad[0]" or "Acc X (m/s^2)".
+struct NameAndUnit {
+  std::string name, unit;
+  int index = -1;
+};
+
+bool IsNumber(NamePart text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == NamePart::npos;
+}
+
+NameAndUnit SplitUnit(NamePart column) {
+  const std::string plain = WithPlainSigns(column);
+  NameAndUnit parts;
+  const std::size_t open = std::min(plain.find_first_of("([{<"), plain.size());
+  for (const char c : LowerCase(NamePart(plain).substr(open))) {
+    if (NamePart("([{<>}]) \t").find(c) == NamePart::npos) parts.unit += c;
+  }
+  parts.name = plain.substr(0, open);
+  if (IsNumber(parts.unit)) {
+    parts.index = parts.unit.size() == 1 ? parts.unit[0] - '0' : -1;
+    parts.unit.clear();
+  }
+  return parts;
+}
+
+/// Returns the words of a unit at the end of a name, as in "wX_dps", "gyro_x_rad_s" and "acc_mg_x".
+std::string EndingUnit(std::vector<std::string> words) {
+  constexpr std::array<NamePart, 19> kUnitWords{"rad", "deg", "mrad", "mdeg", "s",   "s2", "m",
+                                                "g",   "mg",  "dps",  "mdps", "mps", "h",  "mps2",
+                                                "ms2", "2",   "sec",  "rpm",  "ug"};
+  std::erase_if(words, [](const std::string& word) { return IsAxis(word); });
+  std::size_t begin = words.size();
+  while (begin > 1 &&
+         std::find(kUnitWords.begin(), kUnitWords.end(), words[begin - 1]) != kUnitWords.end()) {
+    --begin;
+  }
+  std::string unit;
+  for (std::size_t i = begin; i < words.size(); ++i) unit += words[i];
+  return unit;
+}
+
+std::string SensorWords(const NameWords& words) {
+  std::string sensor;
+  for (const std::string& word : words.parts()) {
+    if (!IsAxis(word)) sensor += (sensor.empty() ? "" : " ") + word;
+  }
+  return sensor;
+}
+
+/// Splits a number from the end of a name, as in "acc1", "acc_1" and "acc.1"; -1 without one.
+int SplitIndex(std::string* name) {
+  if (name->size() < 2 || !IsNumber(NamePart(*name).substr(name->size() - 1))) return -1;
+  const int index = name->back() - '0';
+  const char before = (*name)[name->size() - 2];
+  if (IsNumber(NamePart(&before, 1))) return -1;
+  name->pop_back();
+  return index;
+}
+
+/// Returns the meaning of a rate or a force whose axis is a number or a direction, else nothing.
+std::optional<ColumnMeaning> IndexedMeaning(const NameAndUnit& parts) {
+  std::string name = parts.name;
+  const int index = parts.index >= 0 ? parts.index : SplitIndex(&name);
+  const NameWords words(name);
+  const bool direction = words.Any({"right", "left", "forward", "up", "down"});
+  if ((index < 0 && !direction) || words.BodyAxis() != 0) return std::nullopt;
+  const std::string quantity = InertialQuantity(words);
+  if (quantity.empty()) return std::nullopt;
+  const std::string unit = parts.unit.empty() ? EndingUnit(words.parts()) : parts.unit;
+  return ColumnMeaning{quantity, unit, SensorWords(words), index};
+}
+
 }  // namespace
 
 ColumnMeaning FindMeaning(std::string_view column) {
-  const std::string name = LowerCase(column);
-  const std::size_t open = std::min(name.find_first_of("([{"), name.size());
-  std::string unit;
-  for (const char c : NamePart(name).substr(open)) {
-    if (NamePart("([{}]) \t").find(c) == NamePart::npos) unit += c;
+  const NameAndUnit parts = SplitUnit(column);
+  const NameWords words(parts.name);
+  if (const std::string time = TimeName(words, parts.unit); !time.empty()) {
+    return {time, parts.unit};
   }
-  const NameWords words(NamePart(name).substr(0, open));
-  if (const std::string time = TimeName(words, unit); !time.empty()) return {time, unit};
-  for (const auto& find : {InertialName, AttitudeName, MapName}) {
-    if (const std::string found = find(words); !found.empty()) return {found, unit};
+  if (const std::string inertial = InertialName(words); !inertial.empty()) {
+    const std::string unit = parts.unit.empty() ? EndingUnit(words.parts()) : parts.unit;
+    return {inertial, unit, SensorWords(words)};
   }
-  return {"", unit};
+  if (std::optional<ColumnMeaning> indexed = IndexedMeaning(parts)) return *indexed;
+  for (const auto& find : {AttitudeName, MapName, OtherName}) {
+    if (const std::string found = find(words); !found.empty()) return {found, parts.unit};
+  }
+  return {"", parts.unit};
 }
 
 }  // namespace dn::files_internal

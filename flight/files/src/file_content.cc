@@ -15,6 +15,7 @@
 
 #include "content_fit.h"
 #include "gnss_content.h"
+#include "imu_choices.h"
 #include "imu_content.h"
 #include "lower_case.h"
 #include "message_log.h"
@@ -128,12 +129,17 @@ void DescribeText(FileContent* content) {
   const ContentFit gnss = files_internal::FitGnss(sample);
   const ContentFit imu = files_internal::FitImu(sample);
   const bool only_position = gnss.score < 0.9;
+  const std::vector<files_internal::ColumnMeaning> meanings = files_internal::FindMeanings(sample);
   // Without names, small angles may look like the sigmas of positions.
-  const bool has_heading =
-      files_internal::FindColumn(files_internal::FindMeanings(sample), "heading").has_value();
+  const bool has_heading = files_internal::FindColumn(meanings, "heading").has_value();
   const bool certain =
       trajectory.fits() && (trajectory.content.trajectory->has_quaternion() || has_heading);
   if (certain) return take(trajectory);
+  if (files_internal::NamesInertialData(meanings)) {
+    if (imu.fits()) return take(imu);
+    content->why = "a header of inertial data, but " + imu.failed;
+    return;
+  }
   if (gnss.fits() && !only_position && !(IsPairs(sample.table) && gnss.content.columns.empty())) {
     return take(gnss);
   }
@@ -149,6 +155,8 @@ void DescribeText(FileContent* content) {
     if (later.fits()) return take(later);
   }
   if (gnss.fits()) return take(gnss);
+  content->why = files_internal::SingleSensorReason(sample);
+  if (!content->why.empty()) return;
   content->why = Reason({imu, gnss, trajectory}, sample.table);
 }
 

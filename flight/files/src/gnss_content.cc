@@ -15,7 +15,7 @@ namespace {
 
 // GNSS receivers have at most this rate, inertial sensors a higher one.
 constexpr double kMostGnssHz = 25.0;
-constexpr StepRange kGnssSteps{1.0 / kMostGnssHz - 1e-3, 120.0};
+constexpr StepRange kGnssSteps{1.0 / kMostGnssHz - 1e-3, 120.0, 0.5};
 constexpr double kMostSigmaM = 1000.0;
 constexpr double kMostHeightM = 2e4;
 constexpr double kRadian = 180.0 / std::numbers::pi;
@@ -69,6 +69,7 @@ struct GnssChoice {
   std::vector<NamedColumn> position, rest, added = {};
   std::string note = {};  ///< what is uncertain about the columns
   double prior = 1.0;
+  bool is_named = false;
 };
 
 std::optional<std::vector<NamedColumn>> FindTriple(const std::vector<ColumnMeaning>& meanings,
@@ -105,6 +106,7 @@ std::optional<GnssChoice> NamedGnssChoice(const TextSample& sample) {
   if (above_sea) position = FindTriple(meanings, {"lat", "lon", "h_msl"});
   if (!position) return std::nullopt;
   GnssChoice choice{*position, {}};
+  choice.is_named = true;
   choice.added = FindMinutes(meanings);
   if (above_sea) {
     choice.position.back().name = "h";
@@ -177,10 +179,34 @@ void DescribeGnss(const TextTable& table, bool plain, FileContent* content) {
   }
 }
 
+/// Returns whether the header, if there is one, lets the columns be a position: it names one of
+/// them so, and none as another quantity.
+bool MayBePosition(const std::vector<ColumnMeaning>& meanings,
+                   const std::vector<NamedColumn>& position) {
+  if (meanings.empty()) return true;
+  const auto is_position = [&](const NamedColumn& column) {
+    if (column.at >= meanings.size()) return false;
+    const std::string& name = meanings[column.at].name;
+    return name == "lat" || name == "lon" || name == "h" || name == "h_msl";
+  };
+  return std::any_of(position.begin(), position.end(), is_position) &&
+         std::all_of(position.begin(), position.end(), [&](const NamedColumn& column) {
+           return is_position(column) || IsUnnamed(meanings, column.at);
+         });
+}
+
+/// Returns whether latitude and longitude have the same values in all of several rows.
+bool StandsStill(const TextTable& table) {
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    if (table.row(i)[1] != table.row(0)[1] || table.row(i)[2] != table.row(0)[2]) return false;
+  }
+  return table.rows() > 1;
+}
+
 ContentFit FitGnssChoice(const TextSample& sample, const TimeColumn& time, GnssChoice choice) {
   FileContent content;
   content.kind = FileKind::kGnss;
-  FitTests tests(4.0);
+  FitTests tests(5.0);
   std::vector<NamedColumn> all = choice.position;
   all.insert(all.end(), choice.rest.begin(), choice.rest.end());
   const bool has_columns = std::all_of(all.begin(), all.end(), [&](const NamedColumn& column) {
@@ -191,6 +217,10 @@ ContentFit FitGnssChoice(const TextSample& sample, const TimeColumn& time, GnssC
   if (!tests.Expect(AreNumbers(table, sample), "the columns contain text"))
     return tests.Result(content);
   content.time_offset_s = FindTimeOffset(table.row(0)[0]);
+  // A documented format may be at rest; otherwise constant columns may be anything.
+  const bool is_certain = choice.is_named || (sample.names.empty() && choice.prior == 1.0);
+  tests.Expect(is_certain || !StandsStill(table),
+               "the columns after the time are constant, and no header names them as a position");
   tests.Expect(AreCoordinates(table),
                "no latitude, longitude and height with a speed below 1000 m/s");
   const std::size_t last = table.columns - 3;
@@ -249,16 +279,23 @@ ContentFit FitGnss(const TextSample& sample) {
   none.content.kind = FileKind::kGnss;
   const std::optional<TimeColumn> time = FindTime(sample, kGnssSteps);
   none.failed = "no time that increases in steps of 0.04 s to 2 minutes";
+  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   if (!time) return none;
+  none.failed = "the header names angular rates and accelerations";
+  if (NamesInertialData(meanings)) return none;
   if (const std::optional<GnssChoice> choice = NamedGnssChoice(sample))
     return FitGnssChoice(sample, *time, *choice);
-  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   if (FindColumn(meanings, "lat") && FindColumn(meanings, "lon")) {
     none.score = 0.75;
     none.failed = "no column is a height above the ellipsoid (one above the sea is not)";
     return none;
   }
-  return FitGnssChoice(sample, *time, GnssChoiceByCount(sample, *time));
+  const GnssChoice choice = GnssChoiceByCount(sample, *time);
+  constexpr double kOtherNames = 0.5;  // the time is there, and little else
+  none.score = kOtherNames;
+  none.failed = "the header names no latitude and longitude";
+  if (!MayBePosition(meanings, choice.position)) return none;
+  return FitGnssChoice(sample, *time, choice);
 }
 
 std::optional<GnssFormat> FindGnssFormat(std::string_view beginning) {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "content_fit.h"
+#include "lower_case.h"
 
 namespace dn::files_internal {
 namespace {
@@ -15,8 +17,14 @@ struct TimeUnit {
   const char* name;
   double seconds;
 };
-constexpr std::array<TimeUnit, 4> kTimeUnits{
-    {{"t", 1.0}, {"t_ms", 1e-3}, {"t_us", 1e-6}, {"t_ns", 1e-9}}};
+// The units in front are those that the steps may decide on.
+constexpr std::array<TimeUnit, 6> kTimeUnits{{{"t", 1.0},
+                                              {"t_ms", 1e-3},
+                                              {"t_us", 1e-6},
+                                              {"t_ns", 1e-9},
+                                              {"t_min", 60.0},
+                                              {"t_100us", 1e-4}}};
+constexpr std::ptrdiff_t kUnitsBySteps = 4;
 
 constexpr double kNanosecond = 1e-9;
 
@@ -53,17 +61,29 @@ bool FindUnit(const TextSample& sample, const StepRange& range, bool unit_is_nam
     return step_s >= range.least_s && step_s <= range.most_s;
   };
   if (unit_is_named) return plausible(step);
-  // The steps of several units may be plausible, but only one gives valid times.
-  for (const bool valid : {true, false}) {
-    for (const TimeUnit& unit : kTimeUnits) {
-      if (!plausible(step * unit.seconds)) continue;
-      if (valid && !IsTime(times.front() * unit.seconds)) continue;
-      time->name = unit.name;
-      return true;
-    }
-  }
-  return false;
+  // The steps of several units may be plausible, and give valid times or not.
+  const auto rank = [&](const TimeUnit& unit) {
+    const double unusual = std::abs(std::log(step * unit.seconds / range.usual_s));
+    return std::pair(!IsTime(times.front() * unit.seconds), unit.seconds == 1.0 ? 0.0 : unusual);
+  };
+  const TimeUnit* best = nullptr;
+  std::for_each(kTimeUnits.begin(), kTimeUnits.begin() + kUnitsBySteps, [&](const TimeUnit& unit) {
+    if (!plausible(step * unit.seconds)) return;
+    if (best == nullptr || rank(unit) < rank(*best)) best = &unit;
+  });
+  if (best != nullptr) time->name = best->name;
+  return best != nullptr;
 }
+
+/// Sets the unit of a SampleTimeFine: 0.1 ms in the exports of MT Manager, us in those of small
+/// sensors, whose rates are below 400 Hz.
+void SetSampleTimeUnit(const TextSample& sample, TimeColumn* time) {
+  constexpr double kLeastStepUs = 2500.0;
+  const double step = MedianTimeStep(PickRows(sample, *time, {}));
+  time->name = step < kLeastStepUs ? "t_100us" : "t_us";
+}
+
+bool IsSampleTime(const std::string& name) { return LowerCase(name) == "sampletimefine"; }
 
 /// Returns whether all values are nanoseconds within a second.
 bool AreNanoseconds(const TextTable& table, std::size_t at) {
@@ -80,14 +100,21 @@ bool IsStamp(const std::string& name) {
   return at != name.npos && (at == 0 || name[at - 1] == '.' || name[at - 1] == '_');
 }
 
+/// Returns 0 for the stamp of a sensor, 1 for GPS time, and 2 for other times.
+int TimeRank(const std::string& name) {
+  if (IsStamp(name)) return 0;
+  const std::string lower = LowerCase(name);
+  return lower.find("gps") != name.npos || lower.find("tow") != name.npos ? 1 : 2;
+}
+
 /// Returns the columns with a time in their name, stamps first: whole seconds with nanoseconds,
 /// then single columns.
 std::vector<TimeColumn> NamedTimes(const TextSample& sample,
                                    const std::vector<ColumnMeaning>& meanings) {
   std::vector<TimeColumn> times;
-  for (const bool stamp : {true, false}) {
+  for (const int rank : {0, 1, 2}) {
     for (std::size_t i = 0; i < meanings.size(); ++i) {
-      if (!meanings[i].name.starts_with("t") || IsStamp(sample.names[i]) != stamp) continue;
+      if (!meanings[i].name.starts_with("t") || TimeRank(sample.names[i]) != rank) continue;
       const bool pair = meanings[i].name == "t" && i + 1 < meanings.size() &&
                         meanings[i + 1].name == "t_ns" && AreNanoseconds(sample.table, i + 1);
       if (pair) times.push_back({i, {}, "t", i + 1});
@@ -113,7 +140,27 @@ bool IsWeek(const TextTable& table, std::size_t at) {
 std::vector<ColumnMeaning> FindMeanings(const TextSample& sample) {
   std::vector<ColumnMeaning> meanings;
   for (const std::string& name : sample.names) meanings.push_back(FindMeaning(name));
+  for (std::size_t i = 0; i + 3 <= meanings.size(); ++i) {
+    ColumnMeaning* three = &meanings[i];
+    if (three[0].index < 0 || three[0].index > 1) continue;
+    const bool follow = std::all_of(three + 1, three + 3, [&](const ColumnMeaning& each) {
+      return each.name == three[0].name && each.sensor == three[0].sensor &&
+             each.index == three[0].index + (&each - three);
+    });
+    for (std::size_t k = 0; follow && k < 3; ++k) three[k].name += "xyz"[k];
+  }
   return meanings;
+}
+
+bool IsUnnamed(const std::vector<ColumnMeaning>& meanings, std::size_t at) {
+  if (at >= meanings.size()) return true;
+  const std::string& name = meanings[at].name;
+  return name.empty() || name == kRate || name == kForce;
+}
+
+bool NamesInertialData(const std::vector<ColumnMeaning>& meanings) {
+  const auto has = [&](const char* name) { return FindColumn(meanings, name).has_value(); };
+  return (has("wx") || has("wy") || has("wz")) && (has("fx") || has("fy") || has("fz"));
 }
 
 std::optional<NamedColumn> FindColumn(const std::vector<ColumnMeaning>& meanings,
@@ -137,7 +184,10 @@ std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& st
   const auto week = FindColumn(meanings, "week");
   for (TimeColumn& time : NamedTimes(sample, meanings)) {
     if (week) time.week = week->at;
-    const bool unit_is_named = !meanings[time.at].unit.empty() || time.name != "t";
+    const bool is_sample_time = IsSampleTime(sample.names[time.at]);
+    if (is_sample_time) SetSampleTimeUnit(sample, &time);
+    const bool unit_is_named =
+        !meanings[time.at].unit.empty() || time.name != "t" || is_sample_time;
     if (FindUnit(sample, steps, unit_is_named, &time)) return time;
   }
   std::vector<TimeColumn> candidates{{0, {}}};
@@ -146,7 +196,7 @@ std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& st
     if (IsWeek(sample.table, 1)) candidates.insert(candidates.begin(), {0, 1});
   }
   for (TimeColumn& time : candidates) {
-    if (FindUnit(sample, steps, false, &time)) return time;
+    if (IsUnnamed(meanings, time.at) && FindUnit(sample, steps, false, &time)) return time;
   }
   return std::nullopt;
 }

@@ -41,6 +41,12 @@ void AppendFields(const Fields& fields, long line, TextTable* table) {
   table->lines.push_back(line);
 }
 
+/// Returns whether the last fields of a line with tabs are empty.
+bool EndsWithTab(std::string_view line) {
+  const std::size_t last = line.find_last_not_of('\r');
+  return last != std::string_view::npos && line[last] == '\t';
+}
+
 /// Splits a line where at least two blanks or a tab separate names of several words.
 Fields SplitWide(std::string_view line) {
   Fields fields;
@@ -139,7 +145,9 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
       table.columns = fields.size();
       sample.needs_names = sample.needs_names || line.find(';') != std::string_view::npos;
     }
-    if (fields.size() + 1 >= table.columns) AppendFields(fields, lines.line(), &table);
+    if (fields.size() + 1 >= table.columns || EndsWithTab(line)) {
+      AppendFields(fields, lines.line(), &table);
+    }
   }
   if (table.rows() == 0) {
     if (most_fields > 0 && most_fields < kLeastColumns) {

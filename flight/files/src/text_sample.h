@@ -18,8 +18,9 @@ struct TextSample {
 
 /// Reads the first rows of a text, at most max_rows. The names are those of a line before the first
 /// row: the line with the most names of known meaning. It may begin with # or %. The last field of
-/// a row may be missing; rows with fewer fields are left out. Throws InvalidInput if no line has a
-/// number in its first two fields, and for fewer than 4 columns.
+/// a row may be missing; other rows with fewer fields are left out unless they end with a tab.
+/// Throws InvalidInput if no line has a number in its first two fields, and for fewer than 4
+/// columns.
 TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_rows);
 
 }  // namespace dn::files_internal

@@ -12,7 +12,7 @@
 namespace dn::files_internal {
 namespace {
 
-constexpr StepRange kTrajectorySteps{1e-4, 60.0};
+constexpr StepRange kTrajectorySteps{1e-4, 60.0, 0.05};
 using NamedColumns = std::vector<NamedColumn>;
 
 /// An order of the columns of an attitude, with the sign of the vector part of a quaternion.

@@ -10,6 +10,7 @@ namespace dn {
 
 /// Names of the columns of a text file, in the order of the file:
 ///   t, t_ms, t_us, t_ns  time in s, ms, us, ns; nsec: nanoseconds, added to t
+///   t_min, t_100us       time in minutes, or in 0.1 ms
 ///   week, skip           GPS week, counted from that of the first row; a column that is not used
 ///   NAME, -NAME          a quantity, with the opposite sign; NAME_rad: an angle in rad, not deg
 ///   lat_min, lat_sec     minutes and seconds, added to lat; the same for lon

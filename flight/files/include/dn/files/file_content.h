@@ -26,7 +26,7 @@ struct FileContent {
   ImuFormat imu_format = ImuFormat::kOdyn;
   bool rates_in_deg = false;  ///< for kImu: rates in deg/s or angles in deg
   bool forces_in_g = false;   ///< for kImu: forces in g
-  /// For kImu in counts: rad/s (rad) and m/s^2 (m/s) of one count; 0 for other units.
+  /// For kImu in counts or other units: rad/s (rad) and m/s^2 (m/s) of one unit, else 0.
   double rate_unit = 0.0, force_unit = 0.0;
   GnssFormat gnss_format = GnssFormat::kOdyn;
   bool has_sigma = false;     ///< for kGnss: the positions have sigmas
@@ -44,7 +44,8 @@ struct FileContent {
 /// tests passed is taken. Otherwise `why` names the nearest kind and what it lacks, then the second
 /// nearest.
 ///
-///   kImu         rates and forces; |force| is gravity, in m/s^2 or g, or times the step
+///   kImu         rates and forces; |force| is gravity, in m/s^2 or g, or times the step. A header
+///                that names rates and accelerations decides
 ///   kGnss        latitude, longitude, height, perhaps sigmas and velocities; or a solution of
 ///                RTKLIB, or sentences of NMEA
 ///   kPairs       8, 10, 14 or 16 columns that begin with two times
