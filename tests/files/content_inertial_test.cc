@@ -147,6 +147,7 @@ TEST(ContentInertial, MoreNames) {
         "a:scaledAccelZ\n",
         "loggingTime,gyroRotationX(rad/s),gyroRotationY(rad/s),gyroRotationZ(rad/s),"
         "accelerometerAccelerationX,accelerometerAccelerationY,accelerometerAccelerationZ\n",
+        "t,gyro1_x,gyro1_y,gyro1_z,acc1_x,acc1_y,acc1_z\n",
         "TIME_S,GYR_X_RAD_S,GYR_Y_RAD_S,GYR_Z_RAD_S,ACC_X_MPS2,ACC_Y_MPS2,ACC_Z_MPS2\n"}) {
     SCOPED_TRACE(header);
     const FileContent content = Inspect(header + Inertial(TimeRatesForces(1.0)));
@@ -276,8 +277,9 @@ TEST(ContentInertial, AnglesAreNotRates) {
   for (const double unit : {1.0, kDegrees}) {
     for (const bool rates_first : {false, true}) {
       SCOPED_TRACE(fmt::format("{} {}", unit, rates_first));
-      Row angles{0.05, -0.03, 1.5};
-      const std::string rows = Inertial([&](double t, const Row& w, const Row& f) {
+      Row angles{0.05, -0.03, 0.2};
+      const std::string rows = Inertial([&](double t, const Row& slow, const Row& f) {
+        const Row w{slow[0], slow[1], slow[2] + 0.25 * std::sin(0.1 * t)};
         for (std::size_t k = 0; k < 3; ++k) angles[k] += 0.02 * w[k];
         const Row first = Plus({381000 + t}, Times(angles, unit));
         return rates_first ? Plus(Plus(first, w), f) : Plus(Plus(first, f), w);

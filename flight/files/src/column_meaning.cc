@@ -105,6 +105,19 @@ bool IsStem(NamePart word) { return std::find(kStems.begin(), kStems.end(), word
 
 bool IsAxis(NamePart word) { return word == "x" || word == "y" || word == "z"; }
 
+/// Splits the number of a sensor from the words, so that "gyro1" becomes "gyro" and "1".
+std::vector<std::string> WithNumberApart(const std::vector<std::string>& words) {
+  constexpr std::size_t kLeastStem = 3;
+  std::vector<std::string> apart;
+  for (const std::string& word : words) {
+    const std::size_t end = word.find_last_not_of("0123456789") + 1;
+    const bool numbered = end < word.size() && end >= kLeastStem && IsStem(word.substr(0, end));
+    apart.push_back(numbered ? word.substr(0, end) : word);
+    if (numbered) apart.push_back(word.substr(end));
+  }
+  return apart;
+}
+
 /// Splits an axis or a direction from the words, so that "accx" and "xacc" become "acc" and "x".
 std::vector<std::string> WithAxisApart(const std::vector<std::string>& words) {
   constexpr std::size_t kLeastAfterAxis = 3;  // "xt" is not an axis with a stem
@@ -133,8 +146,8 @@ std::vector<std::string> WithAxisApart(const std::vector<std::string>& words) {
 class NameWords {
  public:
   explicit NameWords(NamePart name)
-      : words_(WithAxisApart(SplitWords(LowerCase(name)))),
-        apart_(WithAxisApart(SplitWords(LowerCase(WithWordsApart(name))))) {
+      : words_(WithAxisApart(WithNumberApart(SplitWords(LowerCase(name))))),
+        apart_(WithAxisApart(WithNumberApart(SplitWords(LowerCase(WithWordsApart(name)))))) {
     whole_ = words_.size();
     if (apart_ != words_) words_.insert(words_.end(), apart_.begin(), apart_.end());
   }

@@ -156,7 +156,8 @@ std::string SingleSensorReason(const TextSample& sample) {
   const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   const bool rates = !NamedTriples(meanings, kRate).empty();
   const bool forces = !NamedTriples(meanings, kForce).empty();
-  if (rates && forces) return {};
+  const bool position = FindColumn(meanings, "lat") && FindColumn(meanings, "lon");
+  if (position || (rates && forces)) return {};
   std::string only = rates ? "rates" : forces ? "accelerations" : BareVector(sample, meanings);
   return only.empty() ? only : "only " + only + ": join both files by time into one";
 }
