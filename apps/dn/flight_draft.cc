@@ -384,8 +384,10 @@ std::string FlightDraft::ImuText() const {
   text +=
       "  sampling: mean                # assumed: rows are means; instantaneous: values at the "
       "tag\n";
-  if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # from the size of the rates\n";
-  if (imu_->forces_in_g) text += "  force_unit: g                 # from the size of gravity\n";
+  if (imu_->rates_in_deg)
+    text += "  rate_unit: deg/s              # from the header or the size of the rates\n";
+  if (imu_->forces_in_g)
+    text += "  force_unit: g                 # from the header or the size of gravity\n";
   const bool rates = imu_->imu_format == ImuFormat::kOdyn;
   if (imu_->rate_unit > 0.0) {
     text += fmt::format("  rate_unit: {}   # {} of one unit of the file\n",
