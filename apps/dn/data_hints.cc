@@ -183,8 +183,29 @@ bool CanExchange(const Flight& flight) {
   });
 }
 
+/// Returns the speed between the first position and the one farthest from it, m/s. Positions at
+/// rest have a small one, whatever their noise.
+double OverallSpeed(const std::vector<MapGnssEpoch>& epochs) {
+  const MapGnssEpoch* farthest = &epochs.front();
+  double most_m = 0.0;
+  for (const MapGnssEpoch& epoch : epochs) {
+    const double way_m = (epoch.p_m - epochs.front().p_m).head<2>().norm();
+    if (way_m <= most_m) continue;
+    most_m = way_m;
+    farthest = &epoch;
+  }
+  const double time_s = farthest->t_s - epochs.front().t_s;
+  return time_s > 0.0 ? most_m / time_s : 0.0;
+}
+
 void HintVelocities(const Flight& flight, std::vector<DataHint>* hints) {
-  const double speed_mps = RmsSpeed(flight.gnss->epochs);
+  const auto& epochs = flight.gnss->epochs;
+  const bool known = std::any_of(epochs.begin(), epochs.end(), [](const MapGnssEpoch& epoch) {
+    return epoch.velocity_enu_mps.has_value();
+  });
+  if (!known) return;
+  const double stated_mps = RmsSpeed(epochs);
+  const double speed_mps = std::max(stated_mps, OverallSpeed(epochs));
   if (speed_mps < 1.0) return;
   const double as_is = VelocityMisfit(flight, speed_mps, false);
   if (as_is < 0.5 * speed_mps) return;
@@ -198,7 +219,7 @@ void HintVelocities(const Flight& flight, std::vector<DataHint>* hints) {
   hints->push_back({fmt::format("the motion of the GNSS positions differs by {:.3g} m/s rms from "
                                 "their velocities of {:.3g} m/s rms: are these east, north, up, in "
                                 "m/s?",
-                                as_is, speed_mps),
+                                as_is, stated_mps),
                     "gnss.use_velocity", "false"});
 }
 

@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include "data_hints.h"
+#include "nmea_sigmas.h"
 #include "scanner_draft.h"
 
 namespace dn::apps {
@@ -160,6 +161,16 @@ std::string UnitsText(const std::string& used, const std::string& other,
       found->variance_ratio, found->p_value);
 }
 
+/// Says that sigmas of the GNSS positions are missing, or where the file states them.
+std::string MissingSigma(const FileContent& gnss, const NmeaQualities& qualities) {
+  if (!gnss.accuracy.empty()) {
+    return "gnss.sigma_enu_m: the file states an accuracy in " + gnss.accuracy +
+           ", but not those of east, north and up: give them in m";
+  }
+  return "gnss.sigma_enu_m: the file states no sigmas of its positions" +
+         MixedQualitiesText(qualities);
+}
+
 }  // namespace
 
 FlightDraft::FlightDraft(fs::path folder, const std::vector<FileContent>& contents)
@@ -261,6 +272,9 @@ void FlightDraft::Settle() {
   TakeReadable(FileKind::kImu, &imu_);
   TakeReadable(FileKind::kGnss, &gnss_);
   NoteOthers();
+  if (gnss_ && gnss_->gnss_format == GnssFormat::kNmea) {
+    nmea_qualities_ = CountNmeaQualities(gnss_->file);
+  }
   try {
     SettleSensors();
   } catch (const InvalidInput& error) {
@@ -423,11 +437,20 @@ std::string FlightDraft::GnssText() const {
   std::string text = fmt::format("\n# {}\ngnss:\n  file: {}\n  format: {}\n", gnss_summary_,
                                  QuoteYaml(Named(gnss_->file)), format);
   text += ColumnNamesText(*gnss_);
+  if (!gnss_->crs.empty()) {
+    text += fmt::format("  crs: {:<25} # from the size of the coordinates\n", gnss_->crs);
+  }
   text += OffsetText(gnss_offset_s_);
   text += "  lever_arm_m: [0, 0, 0]        # MISSING: antenna in body, forward right down, m\n";
   if (gnss_->has_sigma) {
     text += "  # The file states the sigmas of its positions.\n";
-  } else if (gnss_->has_velocity || gnss_->gnss_format == GnssFormat::kNmea) {
+  } else if (gnss_->gnss_format == GnssFormat::kNmea) {
+    text += NmeaSigmaText(nmea_qualities_);
+  } else if (!gnss_->accuracy.empty()) {
+    text +=
+        fmt::format("  sigma_enu_m: [2, 2, 3]        # assumed: replace by the accuracy in {}\n",
+                    gnss_->accuracy);
+  } else if (gnss_->has_velocity) {
     text += "  sigma_enu_m: [2, 2, 3]        # assumed, a single receiver: the file states none\n";
   } else {
     text +=
@@ -461,7 +484,7 @@ std::string FlightDraft::LidarText() const {
 }
 
 std::string FlightDraft::BeamsText() const {
-  if (num_beams_ == 0) return {};
+  if (num_beams_ < 2) return {};
   const BeamConfig assumed;
   return fmt::format(
       "  # The pairs name the beams 0 to {} of a rotating scanner. Replace count by angles_deg,\n"
@@ -538,9 +561,7 @@ std::vector<std::string> FlightDraft::Missing() const {
   if (!imu_) missing.emplace_back("no inertial data: smooth and calibrate --method dn need them");
   if (!gnss_) missing.emplace_back("no GNSS positions: smooth and calibrate --method dn need them");
   if (gnss_) missing.emplace_back("gnss.lever_arm_m: the antenna in body; 0 is assumed");
-  if (gnss_ && !gnss_->has_sigma) {
-    missing.emplace_back("gnss.sigma_enu_m: the file states no sigmas of its positions");
-  }
+  if (gnss_ && !gnss_->has_sigma) missing.push_back(MissingSigma(*gnss_, nmea_qualities_));
   if (imu_) {
     missing.emplace_back(
         "imu.gyro and imu.accel: the data sheet; without it noise and biases are estimated "
@@ -569,7 +590,7 @@ std::vector<std::string> FlightDraft::Missing() const {
         "lidar.georeferenced_with: the boresight that the strips without laser vectors were "
         "georeferenced with");
   }
-  if (num_beams_ > 0) {
+  if (num_beams_ > 1) {
     missing.emplace_back("lidar.beams: the angles of the beams, and the sigmas of the data sheet");
   }
   if (!pairs_.empty()) {

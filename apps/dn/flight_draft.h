@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "nmea_sigmas.h"
 #include "strip_scanner.h"
 
 namespace dn::apps {
@@ -77,6 +78,7 @@ class FlightDraft {
   bool axes_known_ = false;
   std::string utm_zone_;  ///< e.g. "32n", from the GNSS positions; empty if unknown
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
+  NmeaQualities nmea_qualities_;
   std::string imu_summary_, gnss_summary_;
   WhiteNoiseDensities white_;  ///< with a margin
   ScannerAxes axes_;           ///< of the pairs

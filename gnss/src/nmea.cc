@@ -1,7 +1,9 @@
 #include <dn/error.h>
+#include <dn/geo/gps_time.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -11,7 +13,6 @@
 #include <vector>
 
 #include "gnss_readers.h"
-#include "gps_time.h"
 #include "nmea_date.h"
 #include "nmea_sentence.h"
 
@@ -24,7 +25,16 @@ struct Fix {
   long line;
   std::string talker;
   bool has_separation;
+  int quality;  ///< as in RTKLIB
 };
+
+/// Converts the quality of a GGA sentence to that of RTKLIB. Values without meaning become 0.
+int RtklibQuality(std::string_view quality) {
+  constexpr std::string_view kGga = "12345";
+  constexpr std::array<int, 5> kRtklib{5, 4, 5, 1, 2};
+  const std::size_t at = quality.size() == 1 ? kGga.find(quality[0]) : kGga.npos;
+  return at == kGga.npos ? 0 : kRtklib[at];
+}
 
 /// Returns true if a GGA sentence contains a position.
 bool HasFix(const std::vector<std::string_view>& gga) {
@@ -48,16 +58,21 @@ Fix ParseFix(const std::vector<std::string_view>& gga, const FileLocation& where
   CheckGeodetic(fix.antenna, where);
   fix.line = where.line;
   fix.talker = gga[0].substr(0, 2);
+  fix.quality = RtklibQuality(gga[6]);
   return fix;
 }
 
-/// Keeps the sentences of one talker: the most frequent, of equally frequent ones GN, which
-/// combines all systems. The positions of other talkers are further solutions at the same epochs.
+/// Keeps the sentences of one talker: GN, which combines all systems, unless another one is more
+/// than twice as frequent. The positions of other talkers are further solutions at the same epochs.
 long KeepOneTalker(std::vector<Fix>* fixes) {
   std::map<std::string, long> count;
   for (const Fix& fix : *fixes) ++count[fix.talker];
   const auto best = std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.second, a.first == "GN") < std::pair(b.second, b.first == "GN");
+    const auto rank = [](const auto& talker) {
+      const bool combined = talker.first == "GN";
+      return std::pair(combined ? 2 * talker.second : talker.second, combined);
+    };
+    return rank(a) < rank(b);
   });
   if (best == count.end()) return 0;
   return static_cast<long>(
@@ -109,9 +124,17 @@ GnssData MakeGnssData(const std::vector<Fix>& fixes, const Stamp& stamp, double 
     epoch.t_s = table.row(i)[0];
     epoch.antenna = fixes[i].antenna;
     epoch.line = fixes[i].line;
+    epoch.quality = fixes[i].quality;
     data.epochs.push_back(epoch);
   }
   return data;
+}
+
+std::string NoPositions(long not_measured) {
+  if (not_measured == 0) return "no GGA sentence with a position";
+  return "all " + std::to_string(not_measured) +
+         " positions have quality 6, 7 or 8, which is dead reckoning, manual or simulated: none is "
+         "measured; log the solution of the GNSS receiver";
 }
 
 }  // namespace
@@ -137,7 +160,7 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   }
   const long other_talkers = KeepOneTalker(&fixes);
   const long without_separation = KeepEllipsoidalHeights(file, &fixes);
-  if (fixes.empty()) throw InvalidInput("no GGA sentence with a position", {file.string(), 0, 0});
+  if (fixes.empty()) throw InvalidInput(NoPositions(not_measured), {file.string(), 0, 0});
   const std::optional<Stamp> stamp = date.stamp();
   if (!stamp) {
     throw InvalidInput("no valid RMC or ZDA sentence gives the date of the GGA sentences",
@@ -147,6 +170,8 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   data.unusable_sentences = unusable;
   data.Count("gnss positions of dead reckoning, manual or simulated, left out", not_measured);
   data.Count("gnss sentences of another talker, left out", other_talkers);
+  data.Count("gnss dates that differ from the others by more than a day, left out",
+             date.outliers());
   data.Count("gnss sentences without geoid separation, left out", without_separation);
   if (MayHaveMissedARollover(*stamp)) {
     data.Count(

@@ -1,11 +1,10 @@
 #include "nmea_date.h"
 
+#include <dn/geo/gps_time.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "gps_time.h"
 
 namespace dn::gnss_internal {
 namespace {
@@ -48,12 +47,49 @@ std::optional<Stamp> ParseZda(const std::vector<std::string_view>& fields,
 
 void DateFinder::Take(const std::vector<std::string_view>& fields, bool after_first_fix,
                       const FileLocation& where) {
-  if (!rmc_) rmc_ = ParseRmc(fields, where);
-  if (zda_is_after_ || rmc_) return;
+  if (const std::optional<Stamp> rmc = ParseRmc(fields, where)) {
+    DayStamps& day = rmc_[rmc->day.t_s];
+    if (day.count++ == 0) {
+      day.first = *rmc;
+      day.order = static_cast<long>(rmc_.size());
+    }
+  }
+  if (zda_is_after_) return;
   if (const std::optional<Stamp> stamp = ParseZda(fields, where)) {
     zda_ = stamp;
     zda_is_after_ = after_first_fix;
   }
+}
+
+double DateFinder::MostFrequentDay() const {
+  // A clock that was not set yet is in the past, so that the later one of two days counts.
+  double day_s = 0.0;
+  long most = 0;
+  for (const auto& [begin_s, stamps] : rmc_) {
+    if (stamps.count < most) continue;
+    most = stamps.count;
+    day_s = begin_s;
+  }
+  return day_s;
+}
+
+std::optional<Stamp> DateFinder::stamp() const {
+  if (rmc_.empty()) return zda_;
+  const double most_s = MostFrequentDay();
+  const DayStamps* first = nullptr;
+  for (const auto& [begin_s, stamps] : rmc_) {
+    if (std::abs(begin_s - most_s) > kDayS) continue;
+    if (first == nullptr || stamps.order < first->order) first = &stamps;
+  }
+  return first->first;
+}
+
+long DateFinder::outliers() const {
+  long count = 0;
+  for (const auto& [begin_s, stamps] : rmc_) {
+    if (std::abs(begin_s - MostFrequentDay()) > kDayS) count += stamps.count;
+  }
+  return count;
 }
 
 bool MayHaveMissedARollover(const Stamp& stamp) {

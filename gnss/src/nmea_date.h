@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -19,17 +20,29 @@ struct Stamp {
   double time_of_day_s;
 };
 
-/// Chooses the sentence that dates the file: the first valid RMC, else the first ZDA after the
-/// first position, else the last ZDA before it.
+/// Chooses the sentence that dates the file: the first valid RMC whose day is that of most others
+/// or next to it, else the first ZDA after the first position, else the last ZDA before it.
 class DateFinder {
  public:
   void Take(const std::vector<std::string_view>& fields, bool after_first_fix,
             const FileLocation& where);
 
-  std::optional<Stamp> stamp() const { return rmc_ ? rmc_ : zda_; }
+  std::optional<Stamp> stamp() const;
+  /// Returns the number of RMC sentences with another day.
+  long outliers() const;
 
  private:
-  std::optional<Stamp> rmc_, zda_;
+  /// RMC sentences of one day: their number, and the first of them in the file.
+  struct DayStamps {
+    long count = 0, order = 0;
+    Stamp first{};
+  };
+
+  /// Returns the day of most RMC sentences.
+  double MostFrequentDay() const;
+
+  std::map<double, DayStamps> rmc_;  ///< by the beginning of the day
+  std::optional<Stamp> zda_;
   bool zda_is_after_ = false;
 };
 

@@ -13,9 +13,11 @@ namespace dn::gnss_internal {
 
 std::vector<std::string_view> SplitSentence(std::string_view line) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-  if (line.empty() || line.front() != '$') return {};
-  line.remove_prefix(1);
+  const std::size_t dollar = line.find('$');
+  if (dollar == std::string_view::npos) return {};
+  line.remove_prefix(dollar + 1);
   const std::size_t star = line.find('*');
+  if (dollar > 0 && star == std::string_view::npos) return {};
   if (star != std::string_view::npos) {
     unsigned sum = 0, stated = 256;
     for (const char c : line.substr(0, star)) sum ^= static_cast<unsigned char>(c);

@@ -9,7 +9,8 @@
 namespace dn::gnss_internal {
 
 /// Returns the fields of "$GPGGA,...*hh" without '$' and checksum. The result is empty for a line
-/// that is not a sentence or has a wrong checksum.
+/// that is not a sentence or has a wrong checksum. A logger may have written text before a sentence
+/// with a checksum.
 std::vector<std::string_view> SplitSentence(std::string_view line);
 
 /// Returns whether the fields are those of a sentence of this type, such as "GGA", from any talker.

@@ -34,7 +34,7 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
     if (!Eigen::Map<const Eigen::Vector3d>(sigma_ned).isZero(0.0)) {
       epoch.covariance_enu_m2 = NedSigmasToCovariance(sigma_ned, "position", where);
     }
-    if (has_velocity) {
+    if (has_velocity && !Eigen::Map<const Eigen::Vector3d>(row + 10).isZero(0.0)) {
       epoch.velocity_enu_mps = Eigen::Vector3d(row[5], row[4], -row[6]);
       CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu = NedSigmasToCovariance(row + 10, "velocity", where);

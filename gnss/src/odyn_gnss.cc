@@ -61,7 +61,7 @@ GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
     if (layout.sigma > 0 && !triple(layout.sigma).isZero(0.0)) {
       epoch.covariance_enu_m2 = EnuSigmasToCovariance(triple(layout.sigma), "position", where);
     }
-    if (layout.velocity > 0) {
+    if (layout.velocity > 0 && !triple(layout.velocity_sigma).isZero(0.0)) {
       epoch.velocity_enu_mps = triple(layout.velocity);
       CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu =

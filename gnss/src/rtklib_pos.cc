@@ -1,4 +1,7 @@
+#include <dn/geo/gps_time.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
+#include <dn/median.h>
 
 #include <algorithm>
 #include <charconv>
@@ -9,7 +12,6 @@
 #include <vector>
 
 #include "gnss_readers.h"
-#include "gps_time.h"
 
 namespace dn::gnss_internal {
 namespace {
@@ -374,6 +376,24 @@ GnssEpoch MakeEpoch(const Row& row, const FileLocation& where) {
   return epoch;
 }
 
+/// Throws InvalidInput if rows without a header move as degrees never do: they are baselines east,
+/// north, up in m.
+void RejectBaselines(const std::vector<GnssEpoch>& epochs, const std::filesystem::path& file) {
+  constexpr double kMostSpeedMps = 1000.0;
+  std::vector<double> speeds_mps;
+  for (std::size_t i = 1; i < epochs.size(); ++i) {
+    const double step_s = epochs[i].t_s - epochs[i - 1].t_s;
+    const LocalFrame frame(epochs[i - 1].antenna);
+    speeds_mps.push_back(frame.ToMap(epochs[i].antenna).norm() / step_s);
+  }
+  if (speeds_mps.empty() || Median(speeds_mps) < kMostSpeedMps) return;
+  throw InvalidInput(
+      "the rows have no header and are no latitude and longitude: as degrees they move by more "
+      "than 1000 m/s; if they are baselines in m, write the solution with out-solformat llh or xyz "
+      "and out-outhead on",
+      {file.string(), epochs.front().line, 0});
+}
+
 }  // namespace
 
 GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s) {
@@ -393,6 +413,7 @@ GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s) 
     data.epochs.push_back(MakeEpoch(row, {file.string(), table.lines[i], 0}));
     data.epochs.back().t_s = table.row(i)[0];
   }
+  if (parser.guessed_rows() > 0) RejectBaselines(data.epochs, file);
   return data;
 }
 

@@ -151,7 +151,7 @@ TEST(MessageLog, NmeaReplacesMissingPositions) {
 }
 
 TEST(MessageLog, OtherTextsAreNoLogs) {
-  const FileContent content = InspectLog("#comment,1;2\n1 2 3 4\n2 2 3 4\n").front();
+  const FileContent content = InspectLog("#comment,1;2\n1 46.5 6.5 400\n2 46.5 6.5 400\n").front();
   EXPECT_EQ(content.kind, FileKind::kGnss);
   EXPECT_THAT(content.columns, IsEmpty());
 }

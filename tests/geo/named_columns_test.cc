@@ -1,3 +1,4 @@
+#include <dn/geo/gps_time.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/named_columns.h>
 #include <dn/geo/text_fields.h>
@@ -148,6 +149,68 @@ TEST(NamedColumns, ChecksNames) {
   ExpectInvalid(check({"t", "vu", "vd"}), "'vd' is named twice", 0);
   ExpectInvalid(check({"lat", "lon"}), "no column is the time", 0);
   EXPECT_EQ(FormatColumnNames({"t", "-fx", "skip"}), "[t, -fx, skip]");
+}
+
+TEST(NamedColumns, UnitsOfLengthsAndAngles) {
+  const std::vector<std::string> quantities{"lat", "lon", "h", "sigma_e", "sigma_n", "sigma_u"};
+  const TextTable t =
+      Read("1 465000000 630.6 5000 20 0.0009\n",
+           {"t", "lat_1e7", "lon_ddmm", "h_ft", "sigma_en_mm", "var_u"}, quantities);
+  EXPECT_DOUBLE_EQ(t.row(0)[1], 46.5);
+  EXPECT_DOUBLE_EQ(t.row(0)[2], 6.51);
+  EXPECT_DOUBLE_EQ(t.row(0)[3], 1524.0);
+  EXPECT_DOUBLE_EQ(t.row(0)[4], 0.02);
+  EXPECT_DOUBLE_EQ(t.row(0)[5], 0.02);
+  EXPECT_DOUBLE_EQ(t.row(0)[6], 0.03);
+  EXPECT_DOUBLE_EQ(Read("1 -12330.6\n", {"t", "lon_ddmm"}, {"lon"}).row(0)[1], -123.51);
+  for (const auto& [name, metres] : {std::pair{"h_mm", 1.5}, {"h_cm", 15.0}, {"z_mm", 1.5}}) {
+    EXPECT_DOUBLE_EQ(Read("1 1500\n", {"t", name}, {"h"}).row(0)[1], metres) << name;
+  }
+  EXPECT_TRUE(HasColumn({"t", "sigma_en"}, "sigma_n"));
+  ExpectInvalid(
+      [&] {
+        CheckColumnNames({"t", "sigma_en", "sigma_n"}, quantities);
+      },
+      "named twice", 0);
+  ExpectInvalid([&] { CheckColumnNames({"t", "lat_mm"}, quantities); }, "is not a column", 0);
+  ExpectInvalid([&] { Read("1 -4\n", {"t", "var_u"}, {"sigma_u"}); }, "variance is negative", 1);
+}
+
+TEST(NamedColumns, HemispheresGiveTheSign) {
+  const ColumnNames names{"t", "lat", "lat_ns", "lon", "lon_ew"};
+  const TextTable t = Read("1,46.5,S,6.5,w\n2,46.5,N,6.5,E\n", names, {"lat", "lon"});
+  EXPECT_EQ(t.row(0)[1], -46.5);
+  EXPECT_EQ(t.row(0)[2], -6.5);
+  EXPECT_EQ(t.row(1)[1], 46.5);
+  ExpectInvalid([&] { Read("1,46.5,E,6.5,E\n", names, {"lat", "lon"}); }, "is not a hemisphere", 1);
+  ExpectInvalid([&] { Read("1,46.5,,6.5,E\n", names, {"lat", "lon"}); }, "is not a hemisphere", 1);
+  ExpectInvalid(
+      [&] {
+        Read("1,-46.5,S,6.5,E\n", names, {"lat", "lon"});
+      },
+      "sign and a hemisphere", 1);
+}
+
+TEST(NamedColumns, CalendarTimesAreGpsSeconds) {
+  const double week_s = 2280 * 604800.0;
+  for (const char* text :
+       {"2023-09-21T09:49:42.5Z", "2023-09-21 09:49:42.5", "2023/09/21T09:49:42.5",
+        "2023-09-21T11:49:42.5+02:00", "2023-09-21T04:19:42.5-0530"}) {
+    EXPECT_EQ(CalendarSeconds(text), week_s + 381000.5) << text;
+  }
+  // Leap seconds are those of the date.
+  EXPECT_EQ(CalendarSeconds("2016-12-31T00:00:00Z"), 1929 * 604800.0 + 6 * 86400 + 17);
+  for (const char* text : {"2023-09-21", "2023-13-21T09:49:42", "21/09/2023 09:49:42", "1.5",
+                           "2023-09-21T09:49:42x", "2023-09-21T09:49"}) {
+    EXPECT_FALSE(CalendarSeconds(text)) << text;
+  }
+  const TextTable t = Read("time,h\n2023-09-21T09:49:42Z,500\n", {"t_utc", "h"}, {"h"});
+  EXPECT_EQ(t.row(0)[0], week_s + 381000.0);
+  ExpectInvalid(
+      [] {
+        Read("2023-09-21T09:49:42Z,5\nlater,5\n", {"t_utc", "h"}, {"h"});
+      },
+      "is not a calendar time", 2);
 }
 
 }  // namespace dn::geo_test

@@ -173,6 +173,28 @@ TEST(CrsNames, WellKnownTextWithoutCodes) {
   EXPECT_LT(crs.ToMap(p_c).norm(), 1e-6);
 }
 
+// PROJ makes one system with three axes of these, which has no code of its own.
+TEST(CrsNames, EllipsoidalHeightsAsAVerticalSystem) {
+  const std::string geographic =
+      "GEOGCS[\"ETRS89\",DATUM[\"European_Terrestrial_Reference_System_1989\",SPHEROID[\"GRS "
+      "1980\",6378137,298.257222101]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],"
+      "AUTHORITY[\"EPSG\",\"4258\"]]";
+  const std::string utm =
+      "PROJCS[\"ETRS89 / UTM zone 32N\"," + geographic +
+      ",PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],PARAMETER["
+      "\"central_meridian\",9],PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\","
+      "500000],PARAMETER[\"false_northing\",0],UNIT[\"metre\",1],AUTHORITY[\"EPSG\",\"25832\"]]";
+  const auto with_heights = [&](const std::string& unit) {
+    return "COMPD_CS[\"c\"," + utm + ",VERT_CS[\"Ellipsoid\",VERT_DATUM[\"Ellipsoid\",2002],UNIT[" +
+           unit + "]]]";
+  };
+  const NamedCrs metres = NameCrs(with_heights("\"metre\",1"), std::nullopt);
+  EXPECT_EQ(metres.name, "utm:32n");
+  EXPECT_FALSE(metres.heights_from_geoid);
+  const std::string feet = NameCrs(with_heights("\"foot\",0.3048"), std::nullopt).name;
+  EXPECT_TRUE(feet.ends_with(" heights:ft")) << feet;
+}
+
 TEST(CrsNames, PrjTextIsTheHorizontalPartInTheFormOfEsri) {
   const std::string utm = PrjText("utm:32n").value();
   EXPECT_TRUE(utm.starts_with("PROJCS[\"WGS_1984_UTM_Zone_32N\"")) << utm;

@@ -177,4 +177,57 @@ TEST(Nmea, RejectsFilesWithoutDateOrPosition) {
   ExpectInvalid([] { ReadNmea(Rmc("120000", "220625") + Gga("12:00")); }, "hhmmss", 2);
 }
 
+std::string GgaFrom(const std::string& talker, const std::string& time) {
+  return Sentence(talker + "GGA," + time + ",4807.038,N,01131.000,W,1,08,0.9,545.4,M,46.9,M,,");
+}
+
+TEST(Nmea, TheCombinedSolutionWinsUnlessItIsRare) {
+  std::string both = Rmc("120000", "210625") + GgaFrom("GL", "115959");
+  for (const char* time : {"120000", "120001", "120002"}) {
+    both += GgaFrom("GL", time) + GgaFrom("GN", time);
+  }
+  const GnssData combined = ReadNmea(both);
+  EXPECT_EQ(combined.epochs.size(), 3u);
+  EXPECT_EQ(combined.counts.at("gnss sentences of another talker, left out"), 4);
+  const GnssData rare =
+      ReadNmea(both + GgaFrom("GL", "120003") + GgaFrom("GL", "120004") + GgaFrom("GL", "120005"));
+  EXPECT_EQ(rare.epochs.size(), 7u);
+}
+
+TEST(Nmea, OneWrongDateDoesNoHarm) {
+  for (const char* wrong : {"060180", "220819", "010199"}) {
+    SCOPED_TRACE(wrong);
+    const GnssData data = ReadNmea(Rmc("120000", wrong) + Gga("120000") + Rmc("120001", "210625") +
+                                   Gga("120001") + Rmc("120002", "210625") + Gga("120002"));
+    EXPECT_EQ(data.epochs.front().t_s, 6 * 86400 + 12 * 3600 + 18);
+    EXPECT_EQ(data.counts.at("gnss dates that differ from the others by more than a day, left out"),
+              1);
+  }
+  const GnssData midnight =
+      ReadNmea(Rmc("235959", "200625") + Gga("235959") + Rmc("000000", "210625") + Gga("000000") +
+               Rmc("000001", "210625") + Gga("000001"));
+  EXPECT_EQ(midnight.epochs.front().t_s, 6 * 86400 - 1 + 18);
+  EXPECT_TRUE(midnight.counts.empty());
+}
+
+TEST(Nmea, StatesTheQualityOfPositions) {
+  const GnssData data = ReadNmea(Rmc("120000", "210625") + Gga("120000", "4") + Gga("120001", "5") +
+                                 Gga("120002", "2") + Gga("120003", "1") + Gga("120004", "9"));
+  ASSERT_EQ(data.epochs.size(), 5u);
+  for (const auto& [i, quality] : {std::pair{0, 1}, {1, 2}, {2, 4}, {3, 5}, {4, 0}}) {
+    EXPECT_EQ(data.epochs[static_cast<std::size_t>(i)].quality, quality);
+  }
+}
+
+TEST(Nmea, TextBeforeSentencesIsIgnored) {
+  const GnssData data = ReadNmea("2025-06-21 12:00:00.1 " + Rmc("120000", "210625") + "[GPS] " +
+                                 Gga("120000") + "12.5;" + Gga("120001"));
+  EXPECT_EQ(data.epochs.size(), 2u);
+}
+
+TEST(Nmea, PositionsThatAreAllNotMeasuredAreNamed) {
+  ExpectInvalid([] { ReadNmea(Rmc("120000", "210625") + Gga("120000", "6")); },
+                "all 1 positions have quality 6, 7 or 8", 0);
+}
+
 }  // namespace dn::gnss_test

@@ -302,4 +302,17 @@ TEST(RtklibPos, RejectsFilesItCannotPlace) {
                 "columns change", 3);
 }
 
+TEST(RtklibPos, RejectsBaselinesWithoutAHeader) {
+  const std::string rest = " 1 12 0.015 0.015 0.03 0 0 0 0.00 25.0\n";
+  for (const double step : {0.4, -1.5}) {
+    std::string text;
+    for (int i = 0; i < 5; ++i) {
+      text += "2023/09/21 09:50:0" + std::to_string(i) + ".000 " + std::to_string(20.0 + step * i) +
+              " 0.5 1.0" + rest;
+    }
+    const TempFile file("baselines.pos", text);
+    ExpectInvalid([&] { ReadGnss(file.path(), GnssFormat::kRtklib); }, "baselines in m", 1);
+  }
+}
+
 }  // namespace dn::gnss_test

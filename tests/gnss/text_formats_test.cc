@@ -142,6 +142,16 @@ TEST(Gnss, RowsWithUnknownSigmas) {
   }
 }
 
+TEST(Gnss, VelocitySigmasOfZeroAreUnknown) {
+  const TempFile ten("ten.txt", "100 46 6 500 1 2 3 0 0 0\n101 46 6 500 1 2 3 .1 .1 .2\n");
+  const GnssData odyn = ReadGnss(ten.path(), GnssFormat::kOdyn);
+  EXPECT_FALSE(odyn.epochs[0].velocity_enu_mps || odyn.epochs[0].velocity_covariance_enu);
+  EXPECT_TRUE(odyn.epochs[1].velocity_enu_mps.has_value());
+  const TempFile thirteen("ob.txt", "100 46 6 500 1 2 3 .1 .1 .2 0 0 0\n");
+  const GnssData ob_gins = ReadGnss(thirteen.path(), GnssFormat::kObGins);
+  EXPECT_FALSE(ob_gins.epochs[0].velocity_enu_mps.has_value());
+}
+
 TEST(OdynGnss, RejectsBadFilesEachByItsOwnMessage) {
   const std::string ok = "10 46 6 500 0.1 0.1 0.1\n";
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0 0.1\n"); }, "position sigma N is zero", 2);

@@ -12,14 +12,50 @@ namespace {
 
 constexpr double kPerMinute = 1.0 / 60.0, kPerSecond = 1.0 / 3600.0;
 
-constexpr std::array<Addend, 6> kAddends{{{"undulation", "h", 1.0, false},
+constexpr std::array<Addend, 8> kAddends{{{"undulation", "h", 1.0, false},
                                           {"nsec", "t", 1e-9, false},
                                           {"lat_min", "lat", kPerMinute, true},
                                           {"lat_sec", "lat", kPerSecond, true},
                                           {"lon_min", "lon", kPerMinute, true},
-                                          {"lon_sec", "lon", kPerSecond, true}}};
+                                          {"lon_sec", "lon", kPerSecond, true},
+                                          {"lat_ns", "lat", 1.0, false, "NS"},
+                                          {"lon_ew", "lon", 1.0, false, "EW"}}};
+
+/// Units at the end of a name: those of lengths, and angles as integers.
+struct ColumnUnit {
+  std::string_view ending;
+  double factor;
+  bool is_length;
+};
+constexpr std::array<ColumnUnit, 5> kColumnUnits{{{"_mm", 1e-3, true},
+                                                  {"_cm", 1e-2, true},
+                                                  {"_ft", 0.3048, true},
+                                                  {"_usft", 1200.0 / 3937.0, true},
+                                                  {"_1e7", 1e-7, false}}};
+
+bool IsLength(std::string_view name) {
+  constexpr std::array<std::string_view, 12> kLengths{"h",       "east",    "north",   "up",
+                                                      "x",       "y",       "z",       "sigma_e",
+                                                      "sigma_n", "sigma_u", "sigma_d", "sigma_en"};
+  return std::find(kLengths.begin(), kLengths.end(), name) != kLengths.end();
+}
+
+/// Separates the unit at the end of a name. Returns its factor; 1 if there is none.
+double TakeUnit(std::string_view* name) {
+  for (const ColumnUnit& unit : kColumnUnits) {
+    if (!name->ends_with(unit.ending)) continue;
+    const std::string_view rest = name->substr(0, name->size() - unit.ending.size());
+    const bool fits = unit.is_length ? IsLength(rest) : rest == "lat" || rest == "lon";
+    if (!fits) continue;
+    *name = rest;
+    return unit.factor;
+  }
+  return 1.0;
+}
 
 const std::map<std::string, ColumnQuantity>& OtherNames() {
+  constexpr ColumnForm kDdmm = ColumnForm::kDegreesMinutes, kVar = ColumnForm::kVariance,
+                       kUtc = ColumnForm::kCalendarTime;
   static const std::map<std::string, ColumnQuantity> names{{"t_min", {"t", 60.0}},
                                                            {"t_ms", {"t", 1e-3}},
                                                            {"t_100us", {"t", 1e-4}},
@@ -40,7 +76,13 @@ const std::map<std::string, ColumnQuantity>& OtherNames() {
                                                            {"roll_rad", {"roll", kDegPerRad}},
                                                            {"pitch_rad", {"pitch", kDegPerRad}},
                                                            {"heading_rad", {"heading", kDegPerRad}},
-                                                           {"yaw_rad", {"heading", kDegPerRad}}};
+                                                           {"yaw_rad", {"heading", kDegPerRad}},
+                                                           {"lat_ddmm", {"lat", 1.0, kDdmm}},
+                                                           {"lon_ddmm", {"lon", 1.0, kDdmm}},
+                                                           {"var_e", {"sigma_e", 1.0, kVar}},
+                                                           {"var_n", {"sigma_n", 1.0, kVar}},
+                                                           {"var_u", {"sigma_u", 1.0, kVar}},
+                                                           {"t_utc", {"t", 1.0, kUtc}}};
   return names;
 }
 
@@ -65,12 +107,19 @@ ColumnQuantity ParseColumnName(std::string_view name) {
     column.factor = -1.0;
     name.remove_prefix(1);
   }
+  column.factor *= TakeUnit(&name);
   column.quantity = name;
   const auto other = OtherNames().find(column.quantity);
   if (other == OtherNames().end()) return column;
   column.quantity = other->second.quantity;
   column.factor *= other->second.factor;
+  column.form = other->second.form;
   return column;
+}
+
+std::vector<std::string> GivenQuantities(const std::string& quantity) {
+  if (quantity == "sigma_en") return {"sigma_e", "sigma_n"};
+  return {quantity};
 }
 
 const Addend* FindAddend(std::string_view name) {
@@ -114,7 +163,8 @@ bool ColumnLayout::Accepts(const std::vector<std::string_view>& fields) const {
 
 std::optional<std::size_t> ColumnLayout::Find(std::string_view quantity) const {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (columns_[i].quantity == quantity) return i;
+    const std::vector<std::string> given = GivenQuantities(columns_[i].quantity);
+    if (std::find(given.begin(), given.end(), quantity) != given.end()) return i;
   }
   return std::nullopt;
 }

@@ -10,10 +10,15 @@
 
 namespace dn::geo_internal {
 
-/// A quantity of a column and the factor that converts the column to it.
+/// How the text of a column gives a number: as a number, as a variance whose root is used, as
+/// degrees and minutes (dddmm.mmmm), or as a calendar time.
+enum class ColumnForm { kNumber, kVariance, kDegreesMinutes, kCalendarTime };
+
+/// A quantity of a column and the factor that converts the number to it.
 struct ColumnQuantity {
   std::string quantity;
   double factor = 1.0;
+  ColumnForm form = ColumnForm::kNumber;
 };
 
 /// Resolves sign, unit and other names of a quantity.
@@ -25,10 +30,16 @@ struct Addend {
   std::string_view quantity;
   double factor;
   bool has_sign_of_column;  ///< minutes and seconds have the sign of the degrees
+  /// Letters of the two hemispheres; the text of the column then gives the sign. Empty: a number.
+  std::string_view hemispheres = {};
 };
 
 /// Returns the addend with this name; nullptr if there is none.
 const Addend* FindAddend(std::string_view name);
+
+/// Returns the quantities that a column with this quantity gives; several for a sigma of east and
+/// north.
+std::vector<std::string> GivenQuantities(const std::string& quantity);
 
 /// Returns whether a name is a condition, as in "=INSPVASA".
 bool IsCondition(std::string_view name);
@@ -50,6 +61,7 @@ class ColumnLayout {
   const std::vector<AddedPlace>& added() const { return added_; }
   std::optional<std::size_t> week() const { return week_; }
   double factor(std::size_t place) const { return columns_[place].factor; }
+  ColumnForm form(std::size_t place) const { return columns_[place].form; }
   /// Returns whether the lines begin with the name of their message.
   bool has_messages() const { return has_messages_; }
   /// Returns whether the fields of a line fulfil all conditions.

@@ -1,7 +1,11 @@
+#include <dn/geo/gps_time.h>
 #include <dn/geo/named_columns.h>
 #include <dn/geo/text_fields.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -10,6 +14,7 @@
 namespace dn {
 namespace {
 
+using geo_internal::ColumnForm;
 using geo_internal::ColumnLayout;
 using Fields = std::vector<std::string_view>;
 
@@ -17,6 +22,12 @@ std::string Listed(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
+}
+
+/// Converts dddmm.mmmm to degrees.
+double DegreesFromMinutes(double value) {
+  const double degrees = std::floor(std::abs(value) / 100.0);
+  return std::copysign(degrees + (std::abs(value) - 100.0 * degrees) / 60.0, value);
 }
 
 /// Appends the used values of lines to a table.
@@ -34,7 +45,7 @@ class NamedRows {
     fields_ = layout_.has_messages() ? SplitMessage(line) : SplitFields(line);
     if (!layout_.Accepts(fields_)) return;
     const std::size_t time = layout_.places().front();
-    const bool has_time = time < fields_.size() && FieldNumber(fields_[time]);
+    const bool has_time = time < fields_.size() && HasTime(fields_[time]);
     const bool short_row = fields_.size() < layout_.least_fields();
     if (table_.lines.empty() && (!has_time || short_row)) return;  // a line of the header
     if (short_row) {
@@ -47,6 +58,11 @@ class NamedRows {
   }
 
  private:
+  bool HasTime(std::string_view field) const {
+    const bool calendar = layout_.form(layout_.places().front()) == ColumnForm::kCalendarTime;
+    return calendar ? CalendarSeconds(field).has_value() : FieldNumber(field).has_value();
+  }
+
   void AppendRow() {
     const std::size_t begin = table_.values.size();
     for (const std::size_t place : layout_.places()) {
@@ -55,15 +71,50 @@ class NamedRows {
     table_.lines.push_back(number_);
     double* row = table_.values.data() + begin;
     for (const ColumnLayout::AddedPlace& each : layout_.added()) {
+      if (!each.addend->hemispheres.empty()) continue;
       row[each.column] += Sign(each) * each.addend->factor * Value(each.place);
+    }
+    for (const ColumnLayout::AddedPlace& each : layout_.added()) {
+      if (!each.addend->hemispheres.empty()) TakeHemisphere(each, row + each.column);
     }
     if (layout_.week()) row[0] += WeeksS(Value(*layout_.week()));
   }
 
+  FileLocation Where(std::size_t place) const {
+    return {table_.file.string(), number_,
+            static_cast<long>(fields_[place].data() - line_.data()) + 1};
+  }
+
   double Value(std::size_t place) const {
-    return ParseNumber(fields_[place],
-                       {table_.file.string(), number_,
-                        static_cast<long>(fields_[place].data() - line_.data()) + 1});
+    const std::string_view field = fields_[place];
+    const ColumnForm form = layout_.form(place);
+    if (form == ColumnForm::kCalendarTime) {
+      if (const std::optional<double> seconds = CalendarSeconds(field)) return *seconds;
+      throw InvalidInput("'" + std::string(field) + "' is not a calendar time yyyy-mm-ddThh:mm:ss",
+                         Where(place));
+    }
+    const double value = ParseNumber(field, Where(place));
+    if (form == ColumnForm::kDegreesMinutes) return DegreesFromMinutes(value);
+    if (form != ColumnForm::kVariance) return value;
+    if (value < 0.0) throw InvalidInput("the variance is negative", Where(place));
+    return std::sqrt(value);
+  }
+
+  /// Gives an angle the sign of its hemisphere.
+  void TakeHemisphere(const ColumnLayout::AddedPlace& added, double* angle) const {
+    const std::string_view field = fields_[added.place], letters = added.addend->hemispheres;
+    const char letter =
+        field.empty() ? ' ' : static_cast<char>(std::toupper(static_cast<unsigned char>(field[0])));
+    const std::size_t found = letters.find(letter);
+    if (field.size() != 1 || found == letters.npos) {
+      throw InvalidInput(
+          "'" + std::string(field) + "' is not a hemisphere " + letters[0] + " or " + letters[1],
+          Where(added.place));
+    }
+    if (*angle < 0.0) {
+      throw InvalidInput("the angle has a sign and a hemisphere", Where(added.place));
+    }
+    if (found == 1) *angle = -*angle;
   }
 
   // The degrees of "-0 30 0" have a sign but no size.
@@ -100,7 +151,8 @@ bool IsKnown(const std::string& name, const std::vector<std::string>& quantities
 
 bool HasColumn(const ColumnNames& names, const std::string& quantity) {
   return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-    return geo_internal::ParseColumnName(name).quantity == quantity;
+    const auto given = geo_internal::GivenQuantities(geo_internal::ParseColumnName(name).quantity);
+    return std::find(given.begin(), given.end(), quantity) != given.end();
   });
 }
 
@@ -109,15 +161,17 @@ std::string FormatColumnNames(const ColumnNames& names) { return "[" + Listed(na
 void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& quantities) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    const std::string quantity = geo_internal::ParseColumnName(name).quantity;
-    if (quantity == "skip" || geo_internal::IsCondition(quantity)) continue;
-    if (!IsKnown(quantity, quantities)) {
-      throw InvalidInput(
-          "'" + name +
-          "' is not a column; the columns are t (t_min, t_ms, t_100us, t_us, t_ns), week, " +
-          Listed(quantities) + ", skip");
+    const std::string column = geo_internal::ParseColumnName(name).quantity;
+    if (column == "skip" || geo_internal::IsCondition(column)) continue;
+    for (const std::string& quantity : geo_internal::GivenQuantities(column)) {
+      if (!IsKnown(quantity, quantities)) {
+        throw InvalidInput(
+            "'" + name +
+            "' is not a column; the columns are t (t_min, t_ms, t_100us, t_us, t_ns), week, " +
+            Listed(quantities) + ", skip");
+      }
+      if (!seen.insert(quantity).second) throw InvalidInput("'" + name + "' is named twice");
     }
-    if (!seen.insert(quantity).second) throw InvalidInput("'" + name + "' is named twice");
   }
   if (!seen.contains("t")) throw InvalidInput("no column is the time, t");
 }

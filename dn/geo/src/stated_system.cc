@@ -40,6 +40,13 @@ double AxisUnitM(const PJ* crs, int axis) {
   return factor;
 }
 
+/// Returns whether a system has ellipsoidal heights as its third axis. Such a system has no code of
+/// its own; that of its first two axes is the same in x and y.
+bool HasHeightAxis(const PJ* crs) {
+  const Object axes(proj_crs_get_coordinate_system(Context(), crs));
+  return axes != nullptr && proj_cs_get_axis_count(Context(), axes.get()) == 3;
+}
+
 /// Returns well-known text in one line; empty if the system cannot be stated in this form.
 std::string WellKnownText(const PJ* crs, PJ_WKT_TYPE form) {
   const char* const options[] = {"MULTILINE=NO", nullptr};
@@ -53,10 +60,14 @@ std::optional<StatedSystem> ReadSystem(const std::string& definition) {
   const Object crs = CreateCrs(definition);
   if (crs == nullptr) return std::nullopt;
   StatedSystem system;
-  const Object horizontal = HorizontalPart(crs.get());
+  Object horizontal = HorizontalPart(crs.get());
   system.geocentric = proj_get_type(horizontal.get()) == PJ_TYPE_GEOCENTRIC_CRS;
   if (!system.geocentric && proj_get_type(horizontal.get()) != PJ_TYPE_PROJECTED_CRS) {
     return std::nullopt;
+  }
+  if (!system.geocentric && HasHeightAxis(horizontal.get())) {
+    system.height_unit_m = AxisUnitM(horizontal.get(), 2);
+    horizontal = Object(proj_crs_demote_to_2D(Context(), nullptr, horizontal.get()));
   }
   system.horizontal = IdentifyPart(horizontal.get());
   system.horizontal_text = WellKnownText(horizontal.get(), PJ_WKT2_2019);

@@ -17,6 +17,7 @@
 #include "gnss_content.h"
 #include "imu_choices.h"
 #include "imu_content.h"
+#include "known_files.h"
 #include "lower_case.h"
 #include "message_log.h"
 #include "picked_columns.h"
@@ -46,7 +47,7 @@ bool AreBeams(const double* two) {
 bool IsPairs(const TextTable& table) {
   const bool with_beams = table.columns == 10 || table.columns == 16;
   if (table.columns != 8 && table.columns != 14 && !with_beams) return false;
-  if (files_internal::IsWeek(table, 0)) return false;
+  if (files_internal::IsWeek(table, 0) || files_internal::IsWeek(table, 1)) return false;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* row = table.row(i);
     const double range_m = Eigen::Map<const Eigen::Vector3d>(row + 2).norm();
@@ -66,6 +67,18 @@ double LittleEndianDouble(const std::string& bytes, std::size_t index) {
   return std::bit_cast<double>(bits);
 }
 
+/// Returns whether the first values of the records are times that increase.
+bool TimesIncrease(const std::string& bytes, std::size_t values) {
+  constexpr double kLongestStepS = 3600.0;
+  const std::size_t records = bytes.size() / 8 / values;
+  for (std::size_t i = 1; i < records; ++i) {
+    const double step_s =
+        LittleEndianDouble(bytes, i * values) - LittleEndianDouble(bytes, (i - 1) * values);
+    if (!(step_s > 0.0 && step_s < kLongestStepS)) return false;
+  }
+  return true;
+}
+
 void DescribeBinary(const std::string& beginning, std::uintmax_t size, FileContent* content) {
   constexpr std::size_t kSbetValues = 17, kSmrmsgValues = 10;
   const auto value = [&](std::size_t index) { return LittleEndianDouble(beginning, index); };
@@ -76,9 +89,11 @@ void DescribeBinary(const std::string& beginning, std::uintmax_t size, FileConte
   if (beginning.size() < 8 * kSmrmsgValues) return;
   constexpr double kPi = std::numbers::pi;
   if (size % (8 * kSbetValues) == 0 && IsWeekSeconds(value(0)) && small(1, kPi / 2) &&
-      small(2, 2 * kPi) && small(3, 1e5) && small(7, kPi) && small(8, kPi)) {
+      small(2, 2 * kPi) && small(3, 1e5) && small(7, kPi) && small(8, kPi) &&
+      TimesIncrease(beginning, kSbetValues)) {
     content->kind = FileKind::kTrajectory;
-  } else if (size % (8 * kSmrmsgValues) == 0 && IsWeekSeconds(value(0)) && small(1, 1e4)) {
+  } else if (size % (8 * kSmrmsgValues) == 0 && IsWeekSeconds(value(0)) && small(1, 1e4) &&
+             TimesIncrease(beginning, kSmrmsgValues)) {
     content->kind = FileKind::kSmrmsg;
   }
   if (content->kind != FileKind::kUnknown) content->why.clear();
@@ -97,15 +112,17 @@ const char* KindWords(FileKind kind) {
 
 /// Says to which kinds a text is nearest and what it lacks, without a clear kind.
 std::string Reason(std::vector<ContentFit> fits, const TextTable& table) {
+  std::erase_if(fits, [](const ContentFit& fit) { return fit.fits(); });
   std::stable_sort(fits.begin(), fits.end(),
                    [](const ContentFit& a, const ContentFit& b) { return a.score > b.score; });
   std::string why = std::to_string(table.columns) + " columns, which match no known kind of file";
   const char* separator = "; nearest to ";
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(2, fits.size()); ++i) {
     why += separator + std::string(KindWords(fits[i].content.kind)) + ", but " + fits[i].failed;
     separator = "; then to ";
   }
-  if (table.columns >= 4 && files_internal::FindCoordinateSystem(table) == "utm:") {
+  const bool said = why.find("gnss.crs") != why.npos;
+  if (!said && table.columns >= 4 && files_internal::FindCoordinateSystem(table) == "utm:") {
     why += "; for GNSS positions in a grid, set gnss.file and gnss.crs";
   }
   return why;
@@ -130,6 +147,7 @@ void DescribeText(FileContent* content) {
   const ContentFit imu = files_internal::FitImu(sample);
   const bool only_position = gnss.score < 0.9;
   const std::vector<files_internal::ColumnMeaning> meanings = files_internal::FindMeanings(sample);
+  const bool may_be_imu = imu.fits() && !files_internal::NamesPosition(sample);
   // Without names, small angles may look like the sigmas of positions.
   const bool has_heading = files_internal::FindColumn(meanings, "heading").has_value();
   const bool certain =
@@ -149,7 +167,7 @@ void DescribeText(FileContent* content) {
     return;
   }
   if (trajectory.fits()) return take(trajectory);
-  if (imu.fits()) return take(imu);
+  if (may_be_imu) return take(imu);
   if (!sample.needs_names) {
     const ContentFit later = files_internal::FitTrajectory(SpacedSample(content->file));
     if (later.fits()) return take(later);
@@ -174,6 +192,11 @@ bool IsOwnFile(const fs::path& file) {
 /// Names the sentences of a log without positions.
 std::string SentenceReason(const std::string& beginning) {
   const std::string type = beginning.substr(1, beginning.find_first_of(",*\r\n") - 1);
+  if (type.starts_with("VN") && type.size() == 5) {
+    return "sentences of type " + type +
+           ", an ASCII log of VectorNav: give a CSV file with the time, accelerations and rates of "
+           "each row, exported from its binary log";
+  }
   if (type == "POS" || type == "SAT") {
     return "the status file of RTKLIB; the solution is the .pos file";
   }
@@ -193,6 +216,8 @@ void DescribeFile(FileContent* content) {
     content->why = "empty";
   } else if (beginning.starts_with("LASF")) {
     content->kind = FileKind::kPointCloud;
+  } else if (std::string known = files_internal::KnownFileReason(beginning); !known.empty()) {
+    content->why = std::move(known);
   } else if (IsUtf16(sample)) {
     content->why = "text in UTF-16; save it as UTF-8 or ASCII";
   } else if (IsBinary(sample)) {

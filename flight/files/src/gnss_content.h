@@ -12,6 +12,9 @@ namespace dn::files_internal {
 /// follow.
 ContentFit FitGnss(const TextSample& sample);
 
+/// Returns whether the header names latitude and longitude, but no rates and forces.
+bool NamesPosition(const TextSample& sample);
+
 /// Returns the format of a file that begins with these lines. It is NMEA if one of them is a GGA or
 /// RMC sentence. It is RTKLIB if one is the header of a solution, or the row of a solution without
 /// header.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string>
 
@@ -70,6 +71,32 @@ std::string_view MessageName(std::string_view line) {
   const std::size_t comma = line.find(','), end = line.find(';');
   if (comma == line.npos || end == line.npos || end < comma) return {};
   return line.substr(1, comma - 1);
+}
+
+/// A message that is not read, and the one to log instead.
+struct OtherMessage {
+  std::string_view beginning;
+  const char* advice;
+};
+constexpr std::array<OtherMessage, 7> kOtherMessages{
+    {{"CORRIMU", "has corrected increments; log RAWIMUX"},
+     {"IMURATECORRIMU", "has corrected increments; log RAWIMUX"},
+     {"BESTXYZ", "has geocentric positions; log BESTGNSSPOS"},
+     {"BESTVEL", "has velocities only; log BESTGNSSPOS"},
+     {"INSATT", "has the attitude only; log INSPVAX"},
+     {"INSPOS", "has the position only; log INSPVAX"},
+     {"INSSTDEV", "has standard deviations only; log INSPVAX"}}};
+
+/// Names the messages of a log that are not read.
+std::string OtherMessagesText(const std::map<std::string, std::string_view>& lines) {
+  std::string text;
+  for (const auto& [name, line] : lines) {
+    for (const OtherMessage& other : kOtherMessages) {
+      if (!name.starts_with(other.beginning)) continue;
+      text += (text.empty() ? "" : ", ") + name + " is not read: it " + other.advice;
+    }
+  }
+  return text;
 }
 
 /// Returns the first line of each message.
@@ -170,6 +197,11 @@ std::vector<FileContent> FindMessages(const fs::path& file, std::string_view beg
       break;
     }
   }
+  const std::string others = OtherMessagesText(lines);
+  if (others.empty()) return contents;
+  if (contents.empty()) contents.emplace_back().file = file;
+  std::string& why = contents.front().why;
+  why += (why.empty() ? "" : "; ") + others;
   return contents;
 }
 

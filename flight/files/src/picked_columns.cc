@@ -1,10 +1,12 @@
 #include "picked_columns.h"
 
+#include <dn/geo/gps_time.h>
 #include <dn/median.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "content_fit.h"
@@ -18,12 +20,13 @@ struct TimeUnit {
   double seconds;
 };
 // The units in front are those that the steps may decide on.
-constexpr std::array<TimeUnit, 6> kTimeUnits{{{"t", 1.0},
+constexpr std::array<TimeUnit, 7> kTimeUnits{{{"t", 1.0},
                                               {"t_ms", 1e-3},
                                               {"t_us", 1e-6},
                                               {"t_ns", 1e-9},
                                               {"t_min", 60.0},
-                                              {"t_100us", 1e-4}}};
+                                              {"t_100us", 1e-4},
+                                              {"t_utc", 1.0}}};
 constexpr std::ptrdiff_t kUnitsBySteps = 4;
 
 constexpr double kNanosecond = 1e-9;
@@ -47,6 +50,10 @@ std::vector<double> Times(const TextSample& sample, const TimeColumn& time) {
 /// increase.
 bool FindUnit(const TextSample& sample, const StepRange& range, bool unit_is_named,
               TimeColumn* time) {
+  if (time->at < sample.first_row.size() && CalendarSeconds(sample.first_row[time->at])) {
+    time->name = "t_utc";
+    unit_is_named = true;
+  }
   const std::vector<double> times = Times(sample, *time);
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) {
@@ -97,7 +104,8 @@ bool AreNanoseconds(const TextTable& table, std::size_t at) {
 /// Returns whether a time is the stamp of a sensor, not the time of recording.
 bool IsStamp(const std::string& name) {
   const std::size_t at = name.find("stamp");
-  return at != name.npos && (at == 0 || name[at - 1] == '.' || name[at - 1] == '_');
+  return at != name.npos &&
+         (at == 0 || std::string_view("._ ").find(name[at - 1]) != std::string_view::npos);
 }
 
 /// Returns 0 for the stamp of a sensor, 1 for GPS time, and 2 for other times.

@@ -23,7 +23,7 @@ struct StepRange {
 struct TimeColumn {
   std::size_t at = 0;
   std::optional<std::size_t> week = {};
-  std::string name = "t";  ///< t, t_min, t_ms, t_100us, t_us or t_ns
+  std::string name = "t";  ///< t, t_min, t_ms, t_100us, t_us, t_ns or t_utc
   std::optional<std::size_t> nanoseconds = {};
 };
 

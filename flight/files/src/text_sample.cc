@@ -1,6 +1,7 @@
 #include "text_sample.h"
 
 #include <dn/error.h>
+#include <dn/geo/gps_time.h>
 #include <dn/geo/text_fields.h>
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 #include <limits>
 #include <optional>
 
+#include "calendar_text.h"
 #include "column_meaning.h"
+#include "gnss_meaning.h"
 
 namespace dn::files_internal {
 namespace {
@@ -19,14 +22,20 @@ constexpr std::size_t kLeastColumns = 4;
 // A file with more lines before its first row is not a table.
 constexpr std::size_t kMostHeaderLines = 10000;
 
+/// Returns the value of a number or of a calendar time.
+std::optional<double> FieldValue(std::string_view field) {
+  const std::optional<double> number = FieldNumber(field);
+  return number ? number : CalendarSeconds(field);
+}
+
 bool BeginsWithNumber(const Fields& fields) {
-  return fields.size() > 1 && (FieldNumber(fields[0]) || FieldNumber(fields[1]));
+  return fields.size() > 1 && (FieldValue(fields[0]) || FieldValue(fields[1]));
 }
 
 bool IsRow(const Fields& fields) {
   if (fields.size() < kLeastColumns) return false;
   const auto numbers = std::count_if(fields.begin(), fields.end(), [](std::string_view field) {
-    return FieldNumber(field).has_value();
+    return FieldValue(field).has_value();
   });
   return numbers > 1 && BeginsWithNumber(fields);
 }
@@ -35,7 +44,7 @@ std::vector<std::string> Names(const Fields& fields) { return {fields.begin(), f
 
 void AppendFields(const Fields& fields, long line, TextTable* table) {
   for (std::size_t i = 0; i < table->columns; ++i) {
-    const auto value = i < fields.size() ? FieldNumber(fields[i]) : std::nullopt;
+    const auto value = i < fields.size() ? FieldValue(fields[i]) : std::nullopt;
     table->values.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
   }
   table->lines.push_back(line);
@@ -76,6 +85,10 @@ std::vector<std::string> WithMinutes(const std::vector<std::string>& names, std:
   return longer;
 }
 
+bool IsKnownName(const std::string& name) {
+  return !FindMeaning(name).name.empty() || !FindMeaning(SpelledName(name)).name.empty();
+}
+
 /// Takes the names of the line with the most names of known meaning, such as those above a line of
 /// units. Lines with as many names as columns are preferred.
 void SetNames(const std::vector<std::vector<std::string>>& headers, TextSample* sample) {
@@ -85,9 +98,7 @@ void SetNames(const std::vector<std::vector<std::string>>& headers, TextSample* 
   for (const std::vector<std::string>& header : headers) {
     const std::vector<std::string> names = WithMinutes(header, columns);
     if (names.size() < columns || (is_exact && names.size() != columns)) continue;
-    const auto known = std::count_if(names.begin(), names.end(), [](const std::string& name) {
-      return !FindMeaning(name).name.empty();
-    });
+    const auto known = std::count_if(names.begin(), names.end(), IsKnownName);
     const bool first_exact = names.size() == columns && !is_exact && known > 1;
     if (known <= most && !first_exact) continue;
     most = known;
@@ -116,6 +127,28 @@ void AddMinutes(const std::string& angle, TextSample* sample) {
   }
 }
 
+/// Returns whether a field is a number with a decimal comma.
+bool HasDecimalComma(std::string_view field) {
+  const std::size_t comma = field.find(',');
+  return comma != field.npos && FieldNumber(field.substr(0, comma)) &&
+         FieldNumber(field.substr(comma + 1));
+}
+
+/// Says why a line with numbers is not a row; empty if it has none.
+std::string RowProblem(const Fields& fields) {
+  const auto commas = std::count_if(fields.begin(), fields.end(), HasDecimalComma);
+  if (commas > 1) {
+    return "semicolons separate the columns and commas are decimal: write decimal points";
+  }
+  const auto numbers = std::count_if(fields.begin(), fields.end(),
+                                     [](std::string_view field) { return !!FieldNumber(field); });
+  if (fields.size() < kLeastColumns || numbers < 2) return {};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (IsCalendarText(fields[i])) return CalendarAdvice(std::to_string(i + 1), fields[i]);
+  }
+  return {};
+}
+
 }  // namespace
 
 TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_rows) {
@@ -124,6 +157,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
   table.file = file;
   std::vector<std::vector<std::string>> headers;
   std::size_t most_fields = 0;
+  std::string problem;
   LineReader lines(file);
   for (std::string_view line; table.rows() < max_rows && lines.Next(&line);) {
     const std::size_t begin = line.find_first_not_of(" \t\r");
@@ -133,6 +167,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
     const Fields fields = SplitFields(text);
     if (comment || !IsRow(fields)) {
       if (BeginsWithNumber(fields)) most_fields = std::max(most_fields, fields.size());
+      if (problem.empty() && table.columns == 0) problem = RowProblem(fields);
       if (table.columns == 0) {
         if (headers.size() > 2 * kMostHeaderLines) break;
         headers.push_back(Names(fields));
@@ -143,6 +178,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
     }
     if (table.columns == 0) {
       table.columns = fields.size();
+      sample.first_row = Names(fields);
       sample.needs_names = sample.needs_names || line.find(';') != std::string_view::npos;
     }
     if (fields.size() + 1 >= table.columns || EndsWithTab(line)) {
@@ -150,6 +186,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
     }
   }
   if (table.rows() == 0) {
+    if (!problem.empty()) throw InvalidInput(problem);
     if (most_fields > 0 && most_fields < kLeastColumns) {
       throw InvalidInput(std::to_string(most_fields) +
                          " columns, which match no known kind of file");

@@ -8,10 +8,12 @@
 
 namespace dn::files_internal {
 
-/// Rows of a text of any columns. Fields that are not finite numbers are NaN.
+/// Rows of a text of any columns. Fields that are neither finite numbers nor
+/// calendar times of ISO 8601 are NaN.
 struct TextSample {
-  std::vector<std::string> names;  ///< of the columns, from a header; empty if there is none
-  TextTable table;
+  std::vector<std::string> names;      ///< of the columns, from a header; empty if there is none
+  std::vector<std::string> first_row;  ///< its fields
+  TextTable table;                     ///< calendar times of ISO 8601 are GPS seconds since 1980
   /// True if the file has header lines or other separators, so that ReadTextTable does not read it.
   bool needs_names = false;
 };

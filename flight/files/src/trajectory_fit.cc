@@ -161,6 +161,23 @@ const TrajectoryChoice& BestTrajectoryChoice(const TextSample& sample, const Tim
   return choices.front();
 }
 
+/// Returns whether the three angles of all rows are the same, as qualities and counts are.
+bool AreConstantAngles(const TextTable& table) {
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    if (!std::equal(table.row(i) + 4, table.row(i) + 7, table.row(0) + 4)) return false;
+  }
+  return table.rows() > 1;
+}
+
+/// Says what a trajectory lacks.
+std::string NoPose(const TextSample& sample, const std::vector<ColumnMeaning>& meanings) {
+  const auto sea = FindColumn(meanings, "h_msl");
+  if (!sea || !FindColumn(meanings, "heading")) return "no position and attitude";
+  return "'" + sample.names[sea->at] +
+         "' is above the sea, and no column is a height above the ellipsoid: export this one "
+         "(H-Ell)";
+}
+
 }  // namespace
 
 ContentFit FitTrajectory(const TextSample& sample) {
@@ -170,16 +187,20 @@ ContentFit FitTrajectory(const TextSample& sample) {
   const std::optional<TimeColumn> time = FindTime(sample, kTrajectorySteps);
   if (!tests.Expect(time.has_value(), "no time that increases")) return tests.Result(content);
   std::vector<TrajectoryChoice> choices = NamedTrajectoryChoices(sample);
-  if (choices.empty() && !FindColumn(FindMeanings(sample), "lat")) {
+  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
+  const bool inertial = FindColumn(meanings, "wx") && FindColumn(meanings, "fx");
+  if (choices.empty() && !inertial && !FindColumn(meanings, "lat")) {
     choices = TrajectoryChoicesByCount(sample, *time);
   }
-  if (!tests.Expect(!choices.empty(), "no position and attitude")) return tests.Result(content);
+  if (!tests.Expect(!choices.empty(), NoPose(sample, meanings))) return tests.Result(content);
   const TrajectoryChoice& choice = BestTrajectoryChoice(sample, *time, choices);
   const TextTable table = RowsInDegrees(sample, *time, choice.columns);
   if (!tests.Expect(AreNumbers(table, sample), "the columns contain text"))
     return tests.Result(content);
   content.trajectory = FindTrajectoryColumns(table);
-  tests.Expect(content.trajectory.has_value(),
+  const bool by_count = NamedTrajectoryChoices(sample).empty();
+  const bool fixed = by_count && table.columns == 7 && AreConstantAngles(table);
+  tests.Expect(content.trajectory.has_value() && !fixed,
                "no unit quaternion, and no heading that follows the course");
   content.time_offset_s = FindTimeOffset(table.row(0)[0]);
   content.why = choice.text;

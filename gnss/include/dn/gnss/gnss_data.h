@@ -22,8 +22,9 @@ struct GnssEpoch {
   std::optional<Eigen::Matrix3d> covariance_enu_m2;
   std::optional<Eigen::Vector3d> velocity_enu_mps;
   std::optional<Eigen::Matrix3d> velocity_covariance_enu;  ///< (m/s)^2
-  int quality = 0;  ///< RTKLIB: 1 fix, 2 float, 3 SBAS, 4 DGPS, 5 single, 6 PPP; 0 unknown
-  long line = 0;    ///< line of the file, from 1
+  /// As in RTKLIB, also for kNmea: 1 fix, 2 float, 3 SBAS, 4 DGPS, 5 single, 6 PPP; 0 unknown.
+  int quality = 0;
+  long line = 0;  ///< line of the file, from 1
 };
 
 /// Formats of GNSS files; see ReadGnss.
@@ -68,12 +69,14 @@ struct GnssColumns {
 ///            sigma v N E D
 ///   kNmea    sentences GGA (position; height above the geoid plus geoid separation) and RMC or ZDA
 ///            (date); UTC becomes GPS time by the leap seconds of the date; the file has no
-///            sigmas. The date is that of a valid RMC, or of a ZDA near the first position. The
-///            most frequent talker is used. Sentences without a fix, with a wrong checksum, without
-///            geoid separation, and of quality 6 to 8 (not measured) are left out and counted.
+///            sigmas. The date is that of the first valid RMC within a day of most others, or of a
+///            ZDA near the first position. The most frequent talker is used, but GN if it is not
+///            much rarer. Text before a sentence with a checksum is ignored. Sentences without a
+///            fix, with a wrong checksum, without geoid separation, and of quality 6 to 8 (not
+///            measured) are left out and counted.
 ///
 /// Position sigmas that are all 0 are unknown. If other rows have sigmas, such rows are left out
-/// and counted.
+/// and counted. A velocity whose sigmas are all 0 is unknown, too.
 ///
 /// time_offset_s: known error of the time tags (tag = t + time_offset_s), subtracted first. It can
 /// also convert seconds since 1980 to seconds of week.

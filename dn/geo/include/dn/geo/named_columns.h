@@ -11,9 +11,15 @@ namespace dn {
 /// Names of the columns of a text file, in the order of the file:
 ///   t, t_ms, t_us, t_ns  time in s, ms, us, ns; nsec: nanoseconds, added to t
 ///   t_min, t_100us       time in minutes, or in 0.1 ms
+///   t_utc                calendar time (CalendarSeconds)
 ///   week, skip           GPS week, counted from that of the first row; a column that is not used
 ///   NAME, -NAME          a quantity, with the opposite sign; NAME_rad: an angle in rad, not deg
 ///   lat_min, lat_sec     minutes and seconds, added to lat; the same for lon
+///   lat_ns, lon_ew       letter of the hemisphere, the sign of lat and lon
+///   lat_1e7, lat_ddmm    latitude in 1e-7 deg, and as ddmm.mmmm; the same for lon
+///   h_mm, h_cm, h_ft     a length in another unit, also usft; the same for sigmas and coordinates
+///   sigma_en             sigma_e and sigma_n
+///   var_e, var_n, var_u  variances; their roots are the sigmas
 ///   undulation           height of the geoid, added to h
 ///   =TEXT, =TEXT|TEXT    only rows with this text are used; as first name, SplitMessage applies
 ///

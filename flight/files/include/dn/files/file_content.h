@@ -31,6 +31,9 @@ struct FileContent {
   GnssFormat gnss_format = GnssFormat::kOdyn;
   bool has_sigma = false;     ///< for kGnss: the positions have sigmas
   bool has_velocity = false;  ///< for kGnss: the file has velocities
+  /// For kGnss: names of columns with an accuracy that `columns` cannot express, in quotes.
+  std::string accuracy;
+  std::string crs;  ///< for kGnss: the coordinate system, if it is not geographic
   /// For text of kTrajectory. The zone of a grid cannot be determined; its crs is "utm:".
   std::optional<TrajectoryColumns> trajectory = {};
   /// For text: offset of the time tags, tag = t + value. It is not 0 if the tags are seconds since

@@ -1,6 +1,9 @@
 #pragma once
 
-namespace dn::gnss_internal {
+#include <optional>
+#include <string_view>
+
+namespace dn {
 
 inline constexpr double kDayS = 86400.0;
 
@@ -18,4 +21,9 @@ GpsTime CalendarToGpsTime(int year, int month, int day, int hour, int minute, do
 /// time. The last known leap second is that of 2017-01-01.
 int GpsMinusUtcS(const GpsTime& utc);
 
-}  // namespace dn::gnss_internal
+/// Returns GPS seconds since 1980-01-06 for a calendar time in UTC of ISO 8601, such as
+/// "2023-09-21T09:49:42.02Z"; also with a blank instead of T, with slashes in the date, with an
+/// offset such as +02:00 at the end, and without Z. Returns nullopt for any other text.
+std::optional<double> CalendarSeconds(std::string_view text);
+
+}  // namespace dn

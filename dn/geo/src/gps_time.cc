@@ -1,12 +1,11 @@
-#include "gps_time.h"
-
 #include <dn/error.h>
+#include <dn/geo/gps_time.h>
 
 #include <array>
 #include <chrono>
 #include <string>
 
-namespace dn::gnss_internal {
+namespace dn {
 namespace {
 
 using std::chrono::day;
@@ -51,4 +50,4 @@ int GpsMinusUtcS(const GpsTime& utc) {
   return count;
 }
 
-}  // namespace dn::gnss_internal
+}  // namespace dn

@@ -1,0 +1,339 @@
+// Files of GNSS positions as receivers and programs write them.
+#include <dn/files/file_content.h>
+#include <dn/gnss/gnss_data.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "testing/temp_folder.h"
+
+namespace dn::files_test {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+FileContent LookAt(const std::string& text, const std::string& name = "positions.csv") {
+  const testing::TempFolder folder;
+  folder.Write(name, text);
+  return InspectFile(folder.path() / name);
+}
+
+/// A position of a flight to the north-east at 1 Hz.
+struct Place {
+  double t_s, lat_deg, lon_deg, h_m;
+};
+
+std::string FlightRows(const std::function<std::string(const Place&)>& format) {
+  std::string text;
+  for (int i = 0; i < 120; ++i) {
+    const double turn = 0.0006 * std::sin(0.05 * i);
+    const Place place{381000.0 + i, 46.5012345 + 0.00041 * i, 6.5023456 + turn, 500 + 0.1 * i};
+    text += format(place) + "\n";
+  }
+  return text;
+}
+
+std::string AfterQuality(const Place& p) {
+  return fmt::format("{:.3f},4,12,{:.9f},{:.9f},{:.4f}", p.t_s, p.lat_deg, p.lon_deg, p.h_m);
+}
+
+TEST(ContentGnss, QualityBeforeThePosition) {
+  const std::string rows = FlightRows(AfterQuality);
+  for (const char* header :
+       {"t,fix,nsat,gpsLatitude,gpsLongitude,gpsHeight\n",
+        "t,fix,nsat,LatitudeDegrees,LongitudeDegrees,AltitudeMeters\n",
+        "t,fix,nsat,latDeg,lonDeg,hEllM\n", "t,fix,nsat,phi,lambda,h\n", "t,fix,nsat,B,L,H\n",
+        "t,fix,nsat,latdeg,londeg,height\n",
+        "towSec,fixType,numSats,positionLat,positionLon,positionHeight\n",
+        "gpsTime,fixType,numSats,gpsLat,gpsLon,gpsHeight\n", "time,a,b,c,d,e\n", ""}) {
+    SCOPED_TRACE(header);
+    const FileContent content = LookAt(header + rows);
+    EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+    EXPECT_THAT(content.columns, ElementsAre("t", "skip", "skip", "lat", "lon", "h"));
+    EXPECT_FALSE(content.has_sigma);
+  }
+  const FileContent dilution = LookAt(FlightRows([](const Place& p) {
+    return fmt::format("{:.3f} 0.8 {:.9f} {:.9f} {:.4f}", p.t_s, p.lat_deg, p.lon_deg, p.h_m);
+  }));
+  EXPECT_THAT(dilution.columns, ElementsAre("t", "skip", "lat", "lon", "h"));
+  const FileContent counts = LookAt(
+      FlightRows([](const Place& p) { return fmt::format("{:.3f} 4 12 {:.4f}", p.t_s, p.h_m); }));
+  EXPECT_EQ(counts.kind, FileKind::kUnknown);
+}
+
+// A magnetometer after the rates moves like latitude, longitude and height.
+TEST(ContentGnss, OtherKindsComeBeforeAPositionElsewhere) {
+  std::string text =
+      "SampleTimeFine,Euler_X,Euler_Y,Euler_Z,Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z,"
+      "Mag_X,Mag_Y,Mag_Z\n";
+  for (int i = 0; i < 1000; ++i) {
+    const double s = std::sin(0.7 * i), c = std::cos(0.31 * i), slow = 1e-5 * std::sin(0.01 * i);
+    text += fmt::format(
+        "{},1.2,2.3,{:.3f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},{:.5f},{:.8f},{:.8f},-1.0\n",
+        677583000 + 8333 * i, 40 * s, 0.3 * s, 0.2 * c, 9.8 + 0.2 * s, 0.2 * s, 0.3 * c,
+        0.1 * s * c, -0.4345703 + slow, -0.4877929 - slow);
+  }
+  const FileContent content = LookAt(text);
+  EXPECT_EQ(content.kind, FileKind::kImu) << content.why;
+  const FileContent drone =
+      LookAt("time,lat,lon,ground_elevation(m),altitude(m)\n" + FlightRows([](const Place& p) {
+               return fmt::format("{:.3f},{:.9f},{:.9f},unknown,{:.3f}", p.t_s, p.lat_deg,
+                                  p.lon_deg, p.h_m);
+             }));
+  EXPECT_EQ(drone.kind, FileKind::kGnss) << drone.why;
+  EXPECT_THAT(drone.columns, ElementsAre("t", "lat", "lon", "skip", "h"));
+}
+
+TEST(ContentGnss, HemispheresAreRead) {
+  const testing::TempFolder folder;
+  for (const char* header : {"t,lat,NS,lon,EW,h\n", "t,lat,n/s,lon,e/w,h\n",
+                             "t,Latitude,Lat Dir,Longitude,Lon Dir,Height\n", ""}) {
+    SCOPED_TRACE(header);
+    folder.Write("g.csv", header + FlightRows([](const Place& p) {
+                            return fmt::format("{:.3f},{:.9f},S,{:.9f},w,{:.3f}", p.t_s, p.lat_deg,
+                                               p.lon_deg, p.h_m);
+                          }));
+    const FileContent content = InspectFile(folder.path() / "g.csv");
+    ASSERT_EQ(content.kind, FileKind::kGnss) << content.why;
+    ASSERT_THAT(content.columns, ElementsAre("t", "lat", "lat_ns", "lon", "lon_ew", "h"));
+    GnssColumns columns;
+    columns.names = content.columns;
+    const GnssData data = ReadGnss(folder.path() / "g.csv", GnssFormat::kOdyn, 0.0, columns);
+    EXPECT_NEAR(data.epochs.front().antenna.lat_rad * kDegPerRad, -46.5012345, 1e-12);
+    EXPECT_NEAR(data.epochs.front().antenna.lon_rad * kDegPerRad, -6.5023456, 1e-12);
+  }
+}
+
+TEST(ContentGnss, AccuraciesBecomeSigmas) {
+  const std::string rows = FlightRows([](const Place& p) {
+    return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},0.02,0.03", p.t_s, p.lat_deg, p.lon_deg, p.h_m);
+  });
+  for (const char* names :
+       {"Horizontal Accuracy (m),Vertical Accuracy (m)", "horizontalAccuracy,verticalAccuracy",
+        "SDHoriz,SDHeight", "eph,epv", "hAcc,vAcc", "horizontal_std,vertical_std"}) {
+    SCOPED_TRACE(names);
+    const FileContent content = LookAt("time,lat,lon,height," + std::string(names) + "\n" + rows);
+    EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+    EXPECT_THAT(content.columns, ElementsAre("t", "lat", "lon", "h", "sigma_en", "sigma_u"));
+    EXPECT_TRUE(content.has_sigma);
+  }
+  for (const char* names : {"accuracy (m),speed", "accuracy,satellites", "hAcc,pdop"}) {
+    SCOPED_TRACE(names);
+    const FileContent content = LookAt("time,lat,lon,height," + std::string(names) + "\n" + rows);
+    EXPECT_FALSE(content.has_sigma);
+    EXPECT_THAT(content.accuracy, HasSubstr("cc"));
+  }
+}
+
+TEST(ContentGnss, UnknownAccuraciesAreLeftOut) {
+  for (const char* rest : {"-1,3", "nan,3", "4,-1"}) {
+    SCOPED_TRACE(rest);
+    const FileContent content = LookAt("time,lat,lon,height,horizontalAccuracy,verticalAccuracy\n" +
+                                       FlightRows([&](const Place& p) {
+                                         return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},{}", p.t_s,
+                                                            p.lat_deg, p.lon_deg, p.h_m, rest);
+                                       }));
+    EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+    EXPECT_FALSE(content.has_sigma);
+    EXPECT_EQ(content.accuracy, "'horizontalAccuracy'");
+  }
+}
+
+TEST(ContentGnss, VariancesAndCovariancesBecomeSigmas) {
+  const FileContent variances =
+      LookAt("t,lat,lon,h,var_e,var_n,var_u\n" + FlightRows([](const Place& p) {
+               return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},0.0004,0.0004,0.0009", p.t_s,
+                                  p.lat_deg, p.lon_deg, p.h_m);
+             }));
+  EXPECT_THAT(variances.columns, ElementsAre("t", "lat", "lon", "h", "var_e", "var_n", "var_u"));
+  EXPECT_TRUE(variances.has_sigma);
+  for (const char* pattern :
+       {"field.position_covariance{}", "position_covariance_{}", "position_covariance[{}]"}) {
+    SCOPED_TRACE(pattern);
+    std::string header = "t,lat,lon,h";
+    for (int k = 0; k < 9; ++k) header += "," + fmt::format(fmt::runtime(pattern), k);
+    const FileContent content =
+        LookAt(header + "\n" + FlightRows([](const Place& p) {
+                 return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},4e-4,0,0,0,4e-4,0,0,0,9e-4", p.t_s,
+                                    p.lat_deg, p.lon_deg, p.h_m);
+               }));
+    EXPECT_THAT(content.columns, ElementsAre("t", "lat", "lon", "h", "var_e", "skip", "skip",
+                                             "skip", "var_n", "skip", "skip", "skip", "var_u"));
+  }
+}
+
+TEST(ContentGnss, OtherColumnsAreNoSigmas) {
+  for (const char* rest : {"4,12,0.8", "30.1,90.0,0.2", "1,14,25", "12,0.8,1.1"}) {
+    SCOPED_TRACE(rest);
+    const FileContent content = LookAt(FlightRows([&](const Place& p) {
+      return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},{}", p.t_s, p.lat_deg, p.lon_deg, p.h_m,
+                         rest);
+    }));
+    EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+    EXPECT_THAT(content.columns, ElementsAre("t", "lat", "lon", "h"));
+    EXPECT_FALSE(content.has_sigma);
+    EXPECT_THAT(content.why, HasSubstr("columns 5-7 are not used"));
+  }
+  const FileContent dilutions = LookAt(FlightRows([](const Place& p) {
+    return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},0.8,1.2,1.5", p.t_s, p.lat_deg, p.lon_deg,
+                       p.h_m);
+  }));
+  EXPECT_THAT(dilutions.why, HasSubstr("dilutions of precision"));
+}
+
+TEST(ContentGnss, UnitsInNames) {
+  const auto rows = [](double height_factor, const char* rest = "") {
+    return FlightRows([=](const Place& p) {
+      return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f}{}", p.t_s, p.lat_deg, p.lon_deg,
+                         height_factor * p.h_m, rest);
+    });
+  };
+  EXPECT_THAT(LookAt("t,lat,lon,height (ft)\n" + rows(3.28084)).columns,
+              ElementsAre("t", "lat", "lon", "h_ft"));
+  EXPECT_THAT(
+      LookAt("t,lat,lon,height_mm,sde(mm),sdn(mm),sdu(mm)\n" + rows(1e3, ",15,15,30")).columns,
+      ElementsAre("t", "lat", "lon", "h_mm", "sigma_e_mm", "sigma_n_mm", "sigma_u_mm"));
+  EXPECT_THAT(LookAt("t,lat,lon,heightCm\n" + rows(1e2)).columns,
+              ElementsAre("t", "lat", "lon", "h_cm"));
+  EXPECT_THAT(LookAt("t,lat,lon,h\n" + rows(1e3)).why, HasSubstr("too large for metres"));
+  EXPECT_THAT(LookAt("t,lat_rad,lonRad,h\n" + FlightRows([](const Place& p) {
+                       return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f}", p.t_s,
+                                          p.lat_deg / kDegPerRad, p.lon_deg / kDegPerRad, p.h_m);
+                     }))
+                  .columns,
+              ElementsAre("t", "lat_rad", "lon_rad", "h"));
+}
+
+TEST(ContentGnss, AnglesAsIntegersAndWithMinutes) {
+  const auto minutes = [](double deg) {
+    return 100.0 * std::floor(deg) + 60.0 * (deg - std::floor(deg));
+  };
+  const FileContent ddmm =
+      LookAt("t,lat,lon,h\n" + FlightRows([&](const Place& p) {
+               return fmt::format("{:.3f},{:.7f},{:.7f},{:.4f}", p.t_s, minutes(p.lat_deg),
+                                  minutes(p.lon_deg), p.h_m);
+             }));
+  EXPECT_EQ(ddmm.kind, FileKind::kGnss) << ddmm.why;
+  EXPECT_THAT(ddmm.columns, ElementsAre("t", "lat_ddmm", "lon_ddmm", "h"));
+  EXPECT_THAT(ddmm.why, HasSubstr("degrees and minutes"));
+  const FileContent integers =
+      LookAt("t,lat,lon,alt\n" + FlightRows([](const Place& p) {
+               return fmt::format("{:.3f},{:.0f},{:.0f},{:.0f}", p.t_s, 1e7 * p.lat_deg,
+                                  1e7 * p.lon_deg, 1e3 * p.h_m);
+             }));
+  EXPECT_EQ(integers.kind, FileKind::kGnss) << integers.why;
+  EXPECT_THAT(integers.columns, ElementsAre("t", "lat_1e7", "lon_1e7", "h_mm"));
+  const FileContent unsure = LookAt("t,lat,lon,alt\n" + FlightRows([](const Place& p) {
+                                      return fmt::format("{:.3f},{:.0f},{:.0f},{:.0f}", p.t_s,
+                                                         1e7 * p.lat_deg, 1e7 * p.lon_deg, p.h_m);
+                                    }));
+  EXPECT_EQ(unsure.kind, FileKind::kUnknown);
+  EXPECT_THAT(unsure.why, HasSubstr("may be in m, cm or mm"));
+}
+
+TEST(ContentGnss, CalendarTimes) {
+  for (const char* format : {"2023-09-21T09:{:02}:{:02}.000Z", "2023-09-21 09:{:02}:{:02}",
+                             "2023/09/21 11:{:02}:{:02}+02:00"}) {
+    SCOPED_TRACE(format);
+    const FileContent content =
+        LookAt("time,lat,lon,h\n" + FlightRows([&](const Place& p) {
+                 const int i = static_cast<int>(p.t_s) - 381000;
+                 return fmt::format(fmt::runtime(format), i / 60, i % 60) +
+                        fmt::format(",{:.9f},{:.9f},{:.4f}", p.lat_deg, p.lon_deg, p.h_m);
+               }));
+    EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+    EXPECT_THAT(content.columns, ElementsAre("t_utc", "lat", "lon", "h"));
+    EXPECT_EQ(content.time_offset_s, 2280 * 604800.0);
+  }
+  const FileContent apart = LookAt(
+      "Date,Time,Latitude,Longitude,Height\n" + FlightRows([](const Place& p) {
+        return fmt::format("21/09/2023,09:49:42,{:.9f},{:.9f},{:.4f}", p.lat_deg, p.lon_deg, p.h_m);
+      }));
+  EXPECT_EQ(apart.kind, FileKind::kUnknown);
+  EXPECT_THAT(apart.why, AllOf(HasSubstr("calendar times"), HasSubstr("21/09/2023")));
+}
+
+TEST(ContentGnss, GeocentricAndGridCoordinates) {
+  const FileContent ecef =
+      LookAt("t,fix,X,Y,Z\n" + FlightRows([](const Place& p) {
+               const double s = p.t_s - 381000.0;
+               return fmt::format("{:.3f},4,{:.4f},{:.4f},{:.4f}", p.t_s, 4364034.0 - 5 * s,
+                                  498996.0 + 26 * s, 4609960.0 - s);
+             }));
+  EXPECT_EQ(ecef.kind, FileKind::kGnss) << ecef.why;
+  EXPECT_EQ(ecef.crs, "ecef");
+  EXPECT_THAT(ecef.columns, ElementsAre("t", "skip", "x", "y", "z"));
+  const FileContent grid =
+      LookAt("t,fix,Easting,Northing,Height\n" + FlightRows([](const Place& p) {
+               const double s = p.t_s - 381000.0;
+               return fmt::format("{:.3f},4,{:.3f},{:.3f},{:.3f}", p.t_s, 310206.0 + 26 * s,
+                                  5161038.0 + s, p.h_m);
+             }));
+  EXPECT_EQ(grid.kind, FileKind::kUnknown);
+  EXPECT_THAT(grid.why, AllOf(HasSubstr("[t, skip, east, north, h]"), HasSubstr("utm:32n")));
+}
+
+TEST(ContentGnss, SecondsBeforeTheWeekAreNoPairs) {
+  const FileContent content = LookAt(FlightRows([](const Place& p) {
+    return fmt::format("{:.3f} 2280 {:.9f} {:.9f} {:.4f} 1 14 0 0 0", p.t_s, p.lat_deg, p.lon_deg,
+                       p.h_m);
+  }));
+  EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+  EXPECT_THAT(content.columns, ElementsAre("t", "week", "lat", "lon", "h"));
+}
+
+TEST(ContentGnss, AHeightAboveTheSeaIsNamed) {
+  const FileContent content = LookAt(
+      "GPSTime Latitude Longitude H-MSL Roll Pitch Heading\n" + FlightRows([](const Place& p) {
+        return fmt::format("{:.3f} {:.9f} {:.9f} {:.3f} {:.4f} {:.4f} {:.4f}", p.t_s, p.lat_deg,
+                           p.lon_deg, p.h_m, std::sin(p.t_s), std::cos(p.t_s),
+                           3.0 + std::sin(0.3 * p.t_s));
+      }));
+  EXPECT_EQ(content.kind, FileKind::kUnknown);
+  EXPECT_THAT(content.why, HasSubstr("'H-MSL' is above the sea"));
+}
+
+TEST(ContentGnss, FilesOfOtherFormatsAreNamed) {
+  const std::string blanks(20, ' ');
+  for (const auto& [text, reason] : std::vector<std::pair<std::string, std::string>>{
+           {"<?xml version=\"1.0\"?>\n<gpx version=\"1.1\">\n", "GPX"},
+           {"<?xml version=\"1.0\"?><kml></kml>\n", "KML"},
+           {"     3.04" + blanks + "OBSERVATION DATA    M     RINEX VERSION / TYPE\n", "RINEX"},
+           {"ply\nformat ascii 1.0\n", "PLY"},
+           {"1\t381000.0\t[2280]\t1,N\t2,E\t3,V\t46.5,Lat\t6.5,Lon\t635.9,Ellh\t0.01, 0.01, 0.03\n",
+            ".MRK"},
+           {"PK\x03\x04 archive", "ZIP"},
+           {"#ROSBAG V2.0\n", "ROS"},
+           {"#BESTXYZA,COM1,0,55.0,FINE,2280,381000.0,0,d8,16;SOL_COMPUTED,NARROW_INT,1,2,3*00\n",
+            "log BESTGNSSPOS"},
+           {"%CORRIMUDATASA,2280,381000.02;2280,381000.02,0,0,0,0,0,0*f4\n", "log RAWIMUX"},
+           {"t;a;b;c\n381000,02;0,5;0,6;0,7\n", "decimal points"}}) {
+    SCOPED_TRACE(reason);
+    const FileContent content = LookAt(text);
+    EXPECT_EQ(content.kind, FileKind::kUnknown);
+    EXPECT_THAT(content.why, HasSubstr(reason));
+  }
+}
+
+TEST(ContentGnss, RecordsWhoseTimesDoNotIncreaseAreNoTrajectory) {
+  std::string bytes;
+  for (int i = 0; i < 40; ++i) {
+    const double value = 1.0 + i % 2;
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  EXPECT_EQ(LookAt(bytes, "events.out").kind, FileKind::kUnknown);
+}
+
+TEST(ContentGnss, SentencesAfterTheTimeOfALogger) {
+  EXPECT_EQ(LookAt("2023-09-21 09:49:42.123 $GNGGA,094942.00,4634.5654661,N,00631.3819144,E,4,12,"
+                   "0.8,585.9219,M,50.000,M,1.0,0001*6E\n")
+                .gnss_format,
+            GnssFormat::kNmea);
+}
+
+}  // namespace dn::files_test
