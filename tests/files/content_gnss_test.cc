@@ -186,6 +186,15 @@ TEST(ContentGnss, OtherColumnsAreNoSigmas) {
   EXPECT_THAT(dilutions.why, HasSubstr("dilutions of precision"));
 }
 
+TEST(ContentGnss, AnglesInAnUnknownOrderAreNoPositionsOfGnss) {
+  const FileContent content = LookAt(FlightRows([](const Place& p) {
+    return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},{:.3f},{:.3f},{:.3f}", p.t_s, p.lat_deg,
+                       p.lon_deg, p.h_m, 90 + std::sin(p.t_s), 2 * std::sin(p.t_s), 200.0);
+  }));
+  EXPECT_EQ(content.kind, FileKind::kUnknown);
+  EXPECT_THAT(content.why, HasSubstr("not sigmas"));
+}
+
 TEST(ContentGnss, UnitsInNames) {
   const auto rows = [](double height_factor, const char* rest = "") {
     return FlightRows([=](const Place& p) {

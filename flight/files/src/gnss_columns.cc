@@ -354,6 +354,10 @@ bool AreLarge(const TextTable& table, std::size_t at) {
   return true;
 }
 
+bool HasNegative(const TextTable& table) {
+  return std::any_of(table.values.begin(), table.values.end(), [](double x) { return x < 0.0; });
+}
+
 /// Takes the columns after the position as those of the documented formats, if their values fit.
 void TakeRest(const TextSample& sample, const TimeColumn& time, GnssChoice* choice) {
   const std::size_t at = choice->position.back().at + 1, rest = sample.table.columns - at;
@@ -362,6 +366,11 @@ void TakeRest(const TextSample& sample, const TimeColumn& time, GnssChoice* choi
   for (std::size_t k = 0; k < rest; ++k) columns.push_back({"skip", at + k});
   const TextTable table = PickRows(sample, time, columns);
   const bool numbers = AreNumbers(table, sample);
+  // Three columns with signs are angles of a trajectory, whose positions are not those of GNSS.
+  if (rest == 3 && numbers && HasNegative(table)) {
+    choice->sigma = Triple(kSigma, at);
+    return;
+  }
   const bool last = numbers && AreSigmas(table, rest - 2);
   const bool velocity_first = rest == 9 && last && !AreSigmas(table, 1) && AreSigmas(table, 4);
   if (!last || (rest == 9 && !velocity_first && !AreSigmas(table, 1))) {
