@@ -26,6 +26,7 @@
 #include "noise_output.h"
 #include "option_checks.h"
 #include "swath_files.h"
+#include "trajectory_hints.h"
 
 namespace dn::apps {
 namespace {
@@ -258,14 +259,30 @@ void RunNetwork(const CalibrateOptions& options, const FlightConfig& config, Run
   FailUnlessReliable(network.Boresights());
 }
 
+/// Reads a flight whose pairs must agree on its trajectory. If they do not, the message names what
+/// the GNSS and inertial data show to be wrong with the trajectory, if anything. Otherwise this is
+/// a warning.
+Flight ReadOnTrajectory(const FlightConfig& config, const FlightNeeds& needs, Run* run) {
+  const std::vector<DataHint> hints = TrajectoryHints(config);
+  try {
+    Flight flight = ReadFlight(config, needs);
+    ExpectPairClock(flight);
+    for (const DataHint& hint : hints) run->progress().Warn(HintText(hint));
+    return flight;
+  } catch (const InvalidInput&) {
+    if (hints.empty()) throw;
+    throw InvalidInput(HintText(hints.front()),
+                       {config.trajectory.value_or(TrajectoryConfig()).file});
+  }
+}
+
 Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double* read_s,
                            Run* run) {
   run->progress().Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.pairs = needs.trajectory = true;
   needs.imu = needs.gnss = needs.control = needs.ties = with_network;
-  Flight flight = ReadFlight(config, needs);
-  ExpectPairClock(flight);
+  Flight flight = ReadOnTrajectory(config, needs, run);
   *read_s = flight.read_time_s;
   return flight;
 }

@@ -18,6 +18,7 @@
 #include "data_hints.h"
 #include "scanner_beams.h"
 #include "shaking_json.h"
+#include "strip_hints.h"
 #include "strip_lines.h"
 
 namespace dn::apps {
@@ -351,12 +352,28 @@ void PrintVerdicts(const std::vector<CommandVerdict>& verdicts, Json* json) {
   }
 }
 
-void PrintHints(const Flight& flight, const DataAgreement& agreement, Json* json) {
+void PrintHints(const std::vector<DataHint>& hints, Json* json) {
   (*json)["hints"] = Json::array();
-  for (const DataHint& hint : DataHints(flight, agreement)) {
+  for (const DataHint& hint : hints) {
     fmt::print("look at         {}\n", HintText(hint));
     (*json)["hints"].push_back({{"text", hint.text}, {"key", hint.key}, {"value", hint.value}});
   }
+}
+
+/// Returns a hint for each strip that does not belong to the path of the flight.
+std::vector<DataHint> StripHints(const std::vector<fs::path>& files, const Flight& flight) {
+  std::vector<DataHint> hints;
+  const std::optional<RoughPath> path = KnownPath(flight);
+  if (!path || !flight.config.lidar) return hints;
+  const bool with_vectors = NumScanners(flight.config) < 2;
+  for (const fs::path& file : files) {
+    const auto found = CompareStrip(file, flight.config, *path, with_vectors);
+    if (!found) continue;
+    hints.push_back({file.filename().string() + ": " +
+                         StripDisagreementText(*found, flight.config.lidar->time_offset_s),
+                     "", ""});
+  }
+  return hints;
 }
 
 void SummariseStrips(const std::vector<std::filesystem::path>& files, const FlightConfig& config,
@@ -406,7 +423,12 @@ void Summarise(const Flight& flight, Json* json) {
   }
   const std::vector<fs::path> strips = FindStripFiles(flight.config);
   if (!strips.empty()) SummariseStrips(strips, flight.config, json);
-  PrintHints(flight, agreement, json);
+  std::vector<DataHint> hints = DataHints(flight, agreement);
+  if (std::none_of(hints.begin(), hints.end(), DoubtsPoses)) {
+    const std::vector<DataHint> more = StripHints(strips, flight);
+    hints.insert(hints.end(), more.begin(), more.end());
+  }
+  PrintHints(hints, json);
   for (const auto& [reason, count] : flight.counts) {
     if (count > 0) fmt::print("note            {}: {}\n", reason, count);
   }

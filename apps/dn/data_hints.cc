@@ -11,6 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "trajectory_hints.h"
+
 namespace dn::apps {
 namespace {
 
@@ -250,6 +252,7 @@ void HintAttitude(const Flight& flight, std::vector<DataHint>* hints) {
   const TrajectoryConfig& config = *flight.config.trajectory;
   const FileContent content = InspectFile(flight.config.folder / config.file);
   if (content.kind != FileKind::kTrajectory || !content.trajectory) return;
+  if (content.columns.empty() && !config.columns.names.empty()) return;
   const std::string file = "the attitudes of " + config.file + " follow the course ";
   if (!content.columns.empty() && config.columns.names.empty()) {
     hints->push_back({file + "in another order of the columns: " + content.why,
@@ -264,14 +267,11 @@ void HintAttitude(const Flight& flight, std::vector<DataHint>* hints) {
   hints->push_back({file + "in another convention", "trajectory.attitude", AttitudeWord(found)});
 }
 
-void HintPairClock(const Flight& flight, std::vector<DataHint>* hints) {
+void HintPairs(const Flight& flight, std::vector<DataHint>* hints) {
   const std::optional<double> offset_s = FindPairClockOffset(flight);
-  if (!offset_s) return;
-  hints->push_back(
-      {"the ground points of the pairs do not agree as tagged; the time tags of the "
-       "pairs seem " +
-           LidarClockHint(*offset_s, flight.config.lidar->time_offset_s),
-       "", ""});
+  const std::string text =
+      offset_s ? PairClockText(flight, *offset_s) : PairMistakeText(FindPairMistake(flight));
+  if (!text.empty()) hints->push_back({text, "", ""});
 }
 
 }  // namespace
@@ -348,13 +348,24 @@ DataAgreement FindDataAgreement(const Flight& flight, int threads) {
   return agreement;
 }
 
+bool DoubtsPoses(const DataHint& hint) { return hint.doubts_poses; }
+
+bool IsClockHint(const DataHint& hint) {
+  return hint.key == "gnss.time_offset_s" || hint.key == "imu.time_offset_s";
+}
+
 std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agreement) {
   std::vector<DataHint> hints;
   if (flight.gnss && !flight.gnss->epochs.empty()) HintCoordinates(flight, &hints);
   if (!HintMirror(agreement, &hints)) HintClock(flight, agreement, &hints);
   if (agreement.directions) HintAxes(flight, *agreement.directions, &hints);
-  HintAttitude(flight, &hints);
-  HintPairClock(flight, &hints);
+  std::vector<DataHint> trajectory = TrajectoryHints(flight, agreement);
+  if (trajectory.empty()) HintAttitude(flight, &hints);
+  // Poses with a wrong clock make the right one of the pairs and strips look wrong.
+  for (DataHint& hint : trajectory) hint.doubts_poses = true;
+  for (DataHint& hint : hints) hint.doubts_poses = !flight.trajectory && IsClockHint(hint);
+  hints.insert(hints.end(), trajectory.begin(), trajectory.end());
+  if (std::none_of(hints.begin(), hints.end(), DoubtsPoses)) HintPairs(flight, &hints);
   return hints;
 }
 

@@ -24,11 +24,18 @@ struct DataHint {
   std::string text;
   std::string key;    ///< key of flight.yaml that corrects it; empty if there is none
   std::string value;  ///< corrected value of the key, in YAML
+  /// True if the poses of the flight are wrong or doubtful, so that they say nothing of others.
+  bool doubts_poses = false;
 };
 
 /// Returns a hint for each axis, clock or coordinate convention that contradicts flight.yaml.
 /// Consistent data give an empty list.
 std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agreement);
+
+bool DoubtsPoses(const DataHint& hint);
+
+/// Returns whether a hint corrects the clock of the GNSS or inertial data.
+bool IsClockHint(const DataHint& hint);
 
 /// Formats the hint on one line, with the key that corrects it.
 std::string HintText(const DataHint& hint);

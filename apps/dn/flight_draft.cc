@@ -13,10 +13,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "data_hints.h"
 #include "nmea_sigmas.h"
 #include "scanner_draft.h"
+#include "strip_hints.h"
+#include "trajectory_hints.h"
 
 namespace dn::apps {
 namespace {
@@ -116,6 +119,30 @@ std::size_t CountBeams(const std::filesystem::path& file) {
     }
   }
   return largest >= 0.0 && largest < kMostBeams ? static_cast<std::size_t>(largest) + 1 : 0;
+}
+
+/// Returns the names in a list like that of FormatColumnNames.
+ColumnNames ParseColumnNames(const std::string& list) {
+  ColumnNames names;
+  std::string name;
+  for (const char c : list) {
+    if (c == '[' || c == ' ') continue;
+    if (c != ',' && c != ']') {
+      name += c;
+      continue;
+    }
+    names.push_back(std::exchange(name, {}));
+  }
+  return names;
+}
+
+/// Returns whether latitude comes before longitude, as in the documented columns.
+bool LatitudeFirst(const ColumnNames& names) {
+  for (const std::string& name : names) {
+    if (HasColumn({name}, "lat")) return true;
+    if (HasColumn({name}, "lon")) return false;
+  }
+  return true;
 }
 
 bool LacksVectors(const fs::path& file) {
@@ -282,7 +309,29 @@ void FlightDraft::Settle() {
                           error.what());
   }
   CompareOtherUnits();
+  SettleTrajectory();
   SettleScanner();
+  CompareStrips();
+}
+
+void FlightDraft::CompareStrips() {
+  if (strip_scanners_.size() != 1 || !trajectory_notes_.empty()) return;
+  try {
+    const FlightConfig config = ParseFlightConfig(Text(), folder_);
+    const Flight flight = ReadFlight(config, {.gnss = true, .trajectory = true, .optional = true});
+    const std::optional<RoughPath> path = KnownPath(flight);
+    if (!path) return;
+    for (const fs::path& file : strip_scanners_.front().strips) {
+      // The mounting is not known yet, so that the vectors say nothing.
+      const auto found = CompareStrip(file, config, *path, false);
+      using Kind = StripDisagreement::Kind;
+      if (!found || (found->kind != Kind::kClock && found->kind != Kind::kOutside)) continue;
+      strip_notes_.push_back(Named(file) + ": " +
+                             StripDisagreementText(*found, config.lidar->time_offset_s));
+    }
+  } catch (const InvalidInput&) {  // the zone of a grid is missing
+    return;
+  }
 }
 
 void FlightDraft::CompareOtherUnits() {
@@ -340,6 +389,45 @@ void FlightDraft::SettleSensors() {
     }
     if (!changed) break;
   }
+}
+
+void FlightDraft::SettleTrajectory() {
+  // Coordinates come first: attitudes can be compared only if the place is right.
+  for (int pass = 0; trajectory_ && pass < 3; ++pass) {
+    trajectory_notes_.clear();
+    bool changed = false;
+    for (const DataHint& hint : HintsOnTrajectory()) {
+      const bool settles = hint.key == "trajectory.columns" && !changed;
+      if (settles) {
+        UseTrajectoryColumns(ParseColumnNames(hint.value));
+        found_.push_back(hint.text);
+      } else {
+        trajectory_notes_.push_back(HintText(hint));
+      }
+      changed = changed || settles;
+    }
+    if (!changed) return;
+  }
+}
+
+std::vector<DataHint> FlightDraft::HintsOnTrajectory() const {
+  try {
+    return TrajectoryHints(ParseFlightConfig(ImuText() + GnssText() + TrajectoryText(), folder_));
+  } catch (const InvalidInput&) {  // the zone of a grid is missing
+    return {};
+  }
+}
+
+void FlightDraft::UseTrajectoryColumns(const ColumnNames& columns) {
+  const bool exchanged = LatitudeFirst(columns) != LatitudeFirst(trajectory_->columns);
+  if (trajectory_->trajectory && exchanged) {
+    // The attitude was found by the course of the exchanged coordinates.
+    TrajectoryColumns& found = *trajectory_->trajectory;
+    found.attitude = found.has_quaternion() ? TrajectoryColumns::Attitude::kQuaternionNed
+                                            : TrajectoryColumns::Attitude::kRollPitchHeading;
+  }
+  if (trajectory_->trajectory) trajectory_->trajectory->body_is_flu = false;
+  trajectory_->columns = columns;
 }
 
 std::optional<RoughPath> FlightDraft::FindPath() const {
@@ -558,6 +646,8 @@ std::string FlightDraft::Text() const {
 
 std::vector<std::string> FlightDraft::Missing() const {
   std::vector<std::string> missing = axes_notes_;
+  missing.insert(missing.end(), trajectory_notes_.begin(), trajectory_notes_.end());
+  missing.insert(missing.end(), strip_notes_.begin(), strip_notes_.end());
   if (!imu_) missing.emplace_back("no inertial data: smooth and calibrate --method dn need them");
   if (!gnss_) missing.emplace_back("no GNSS positions: smooth and calibrate --method dn need them");
   if (gnss_) missing.emplace_back("gnss.lever_arm_m: the antenna in body; 0 is assumed");

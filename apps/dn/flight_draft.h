@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "data_hints.h"
 #include "nmea_sigmas.h"
 #include "strip_scanner.h"
 
@@ -49,7 +50,13 @@ class FlightDraft {
   void SettleSensors();
   /// Compares the rotations of all other inertial files with those of the file in use.
   void CompareOtherUnits();
+  /// Compares the trajectory with GNSS and inertial data, and corrects its columns.
+  void SettleTrajectory();
+  std::vector<DataHint> HintsOnTrajectory() const;
+  void UseTrajectoryColumns(const ColumnNames& columns);
   void SettleScanner();
+  /// Compares the times of the strips with the trajectory or the GNSS positions.
+  void CompareStrips();
   /// Returns the path of the trajectory, or else of the GNSS positions, if there is one.
   std::optional<RoughPath> FindPath() const;
   std::string SensorsText() const;
@@ -73,7 +80,7 @@ class FlightDraft {
   std::vector<StripScanner> strip_scanners_;
   /// Number of strips that neither contain laser vectors nor record the boresight of their points.
   std::size_t strips_without_vectors_ = 0;
-  std::vector<std::string> found_, notes_, axes_notes_;
+  std::vector<std::string> found_, notes_, axes_notes_, trajectory_notes_, strip_notes_;
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
   bool axes_known_ = false;
   std::string utm_zone_;  ///< e.g. "32n", from the GNSS positions; empty if unknown

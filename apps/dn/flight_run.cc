@@ -167,6 +167,16 @@ Adjustment AdjustNamingCauses(const AdjustOptions& options, FlightRun* flight_ru
   }
 }
 
+/// Throws InvalidInput if the pairs do not agree as tagged. The message names the clock of GNSS if
+/// the inertial data show that this one is wrong, else that of the pairs.
+void ExpectClocks(const Flight& flight, int threads) {
+  if (!FindPairClockOffset(flight)) return;
+  for (const DataHint& hint : DataHints(flight, FindDataAgreement(flight, threads))) {
+    if (IsClockHint(hint)) throw InvalidInput(HintText(hint), {flight.config.gnss->file});
+  }
+  ExpectPairClock(flight);
+}
+
 Json RejectedGnssJson(const FlightRun& flight_run) {
   Json epochs = Json::array();
   for (const std::size_t e : flight_run.adjustment().gnss_rejected) {
@@ -188,7 +198,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.control = needs.ties = with_pairs;
   needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
-  ExpectPairClock(flight);
+  ExpectClocks(flight, run->options().threads);
   return AdjustFlight(std::move(flight), watch.seconds(), with_pairs, run);
 }
 

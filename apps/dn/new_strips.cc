@@ -46,6 +46,7 @@ Json StripJson(const std::string& name, const StripCrs& crs, const Georeferenced
       {"t_end_s", strip.t_end_s},
       {"shift_rms_m", strip.shift_rms_m},
       {"shift_max_m", strip.shift_max_m},
+      {"disagreement", strip.disagreement.empty() ? Json() : Json(strip.disagreement)},
       {"crs", CrsJson(crs)}};
 }
 
@@ -97,6 +98,7 @@ class Georeferencing {
         georeferencer.Run(file, run_.files().Stage(shown), ShowPoints(stage, reader->points()));
     const std::string assumed = VectorWarning(strip.origin, name);
     if (!assumed.empty()) run_.progress().Warn(assumed);
+    if (!strip.disagreement.empty()) run_.progress().Warn(name + ": " + strip.disagreement);
     strip.swath.strip = NameAmongScanners(scanner, file.stem().string());
     surfaces_.push_back(
         {strip.swath.strip, std::move(strip.surface_before), std::move(strip.surface_after)});

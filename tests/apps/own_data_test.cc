@@ -1,6 +1,7 @@
 // Tests with data from other programs: dn must name what is unusual and how to correct it.
 #include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -99,6 +100,67 @@ TEST(OwnData, UtcForGpsTimeIsNamedAndMended) {
   EXPECT_THAT(Checked(flight), AllOf(HasSubstr("in UTC"), HasSubstr("gnss.time_offset_s: -18")));
   flight.Replace("flight.yaml", "format: odyn\n  time_offset_s: 0",
                  "format: odyn\n  time_offset_s: -18");
+  EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
+}
+
+/// Writes the trajectory of a flight as text, with changed rows: t, lat, lon, h, quaternion.
+void WriteTrajectory(const DamagedFlight& flight, const std::function<void(Row*)>& change) {
+  std::vector<NavPoint> points;
+  const Trajectory smoothed = ReadTrajectory(SmoothResult() / "trajectory.out");
+  for (const NavPoint& point : smoothed.points()) {
+    if (points.empty() || point.t_s - points.back().t_s > 0.095) points.push_back(point);
+  }
+  flight.Write("trajectory.txt", FormatTrajectoryText(points));
+  EachRow(flight, "trajectory.txt", [&](std::size_t, Row* row) { change(row); });
+}
+
+TEST(OwnData, ATrajectoryOfTheFlightGivesNoHint) {
+  const DamagedFlight flight;
+  WriteTrajectory(flight, [](Row*) {});
+  EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
+}
+
+TEST(OwnData, ATrajectoryInUtcIsNamedAndNotThePairs) {
+  for (const double offset_s : {-18.0, 86400.0}) {
+    const DamagedFlight flight;
+    WriteTrajectory(flight, [&](Row* row) { (*row)[0] += offset_s; });
+    const std::string remedy = offset_s < 0.0 ? "Add 18 s to the times of the trajectory"
+                                              : "Subtract 86400 s from the times of the trajectory";
+    EXPECT_THAT(Checked(flight), AllOf(HasSubstr(remedy), Not(HasSubstr("lidar.time_offset_s"))));
+    const ProgramRun run = flight.Run("calibrate", {"--method", "gh"});
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_THAT(run.err, AllOf(HasSubstr(remedy), Not(HasSubstr("lidar.time_offset_s"))));
+  }
+}
+
+TEST(OwnData, CoordinatesOfATrajectoryAreComparedWithGnss) {
+  const auto named = [](const std::function<void(Row*)>& change) {
+    const DamagedFlight flight;
+    WriteTrajectory(flight, change);
+    return Checked(flight);
+  };
+  EXPECT_THAT(named([](Row* row) { std::swap((*row)[1], (*row)[2]); }),
+              AllOf(HasSubstr("trajectory.columns: [t, lon, lat, h, qw, qx, qy, qz]"),
+                    Not(HasSubstr("trajectory.attitude"))));
+  EXPECT_THAT(named([](Row* row) {
+                for (const int c : {1, 2}) (*row)[c] *= kRadPerDeg;
+              }),
+              HasSubstr("trajectory.columns: [t, lat_rad, lon_rad, h, qw, qx, qy, qz]"));
+  EXPECT_THAT(named([](Row* row) { (*row)[3] -= 48.0; }), HasSubstr("below the GNSS positions"));
+  EXPECT_THAT(named([](Row* row) { (*row)[3] /= 0.3048; }), HasSubstr("in feet"));
+  EXPECT_THAT(named([](Row* row) { (*row)[1] += 0.5; }), HasSubstr("lies 55.6 km from"));
+}
+
+TEST(OwnData, BodyAxesOfATrajectoryAreComparedWithTheGyros) {
+  const DamagedFlight flight;
+  WriteTrajectory(flight, [](Row* row) {  // times the half turn from forward-left-up
+    const Row q(row->begin() + 4, row->end());
+    *row = {(*row)[0], (*row)[1], (*row)[2], (*row)[3], -q[1], q[0], q[3], -q[2]};
+  });
+  const std::string columns = "columns: [t, lat, lon, h, qx, -qw, -qz, qy]";
+  EXPECT_THAT(Checked(flight), AllOf(HasSubstr("body axes FLU"), HasSubstr(columns)));
+  flight.Write("flight.yaml", FileContent(flight.path() / "flight.yaml") +
+                                  "trajectory: {file: trajectory.txt, " + columns + "}\n");
   EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
 }
 

@@ -239,7 +239,7 @@ std::string Say(const facts::GnssTimeOff& fact) {
   return fmt::format(
       "the GNSS time tags {} against those of the inertial data, which moves the {} ({:.1f} "
       "sigma): check the time systems of imu.file and gnss.file and correct the tags "
-      "(gnss.time_offset_s for a constant offset), or estimate {}",
+      "(for a constant offset, add it to gnss.time_offset_s, early as negative), or estimate {}",
       fmt::join(off, " and "), fact.moves_boresight ? "boresight" : "trajectory",
       fact.max_shift_sigmas, fmt::join(names, " and "));
 }

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "strip_clock.h"
 #include "strip_path.h"
 
 namespace dn {
@@ -60,8 +59,7 @@ struct StripGeoreferencer::Setup {
 /// The work on one strip, from the input to the output file.
 class StripGeoreferencer::Work {
  public:
-  Work(const Setup& setup, const fs::path& in)
-      : setup_(setup), in_(in), reader_(OpenStrip(in)), clock_(reader_->has_vectors()) {
+  Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {
     if (setup_.options.surface_cell_m) {
       before_.emplace(*setup_.options.surface_cell_m);
       after_.emplace(*setup_.options.surface_cell_m);
@@ -83,7 +81,7 @@ class StripGeoreferencer::Work {
       progress(result_.points);
     }
     ExpectPoints();
-    clock_.ExpectAgreement(setup_.options.time_offset_s, Where());
+    CompareWithTrajectory();
     result_.shift_rms_m = std::sqrt(shift2_m2_ / static_cast<double>(result_.kept));
     writer->Finish();
     result_.swath = {"", Line(), outline_.Corners(), outline_.MeanUp()};
@@ -184,16 +182,26 @@ class StripGeoreferencer::Work {
       if (after_) after_->Add(p_m_[i]);
       shift2_m2_ += shifts_m_[i] * shifts_m_[i];
       result_.shift_max_m = std::max(result_.shift_max_m, shifts_m_[i]);
-      if (result_.kept % files_internal::StripClock::kPointsPerSample == 1)
-        TakeClock(points.t_s[i], i);
+      if (sampler_.Wants()) {
+        sampler_.Add({points.t_s[i] - setup_.options.time_offset_s, old_m_[i],
+                      reader_->has_vectors() ? std::optional(points.u_s[i]) : std::nullopt});
+      }
     }
     result_.points += points.size();
   }
 
-  void TakeClock(double tag_s, std::size_t i) {
-    const files_internal::StripPath& path =
-        reader_->has_vectors() ? setup_.paths.wanted() : setup_.paths.maker();
-    clock_.Take(path.At(tag_s - setup_.options.time_offset_s), old_m_[i], p_m_[i]);
+  /// Compares the points of the file with the trajectory that gives them new coordinates, or gave
+  /// them those of the file.
+  void CompareWithTrajectory() {
+    const bool own_vectors = reader_->has_vectors();
+    const Mounting& mounting = setup_.options.mounting;
+    const auto found = files_internal::FindStripDisagreement(
+        sampler_.samples(), own_vectors ? setup_.paths.wanted() : setup_.paths.maker(), mounting,
+        LargestTurn(made_with_.boresight_rad, mounting.boresight_rad));
+    if (!found) return;
+    const std::string text = StripDisagreementText(*found, setup_.options.time_offset_s);
+    if (found->Forbids()) throw InvalidInput(text, Where());
+    result_.disagreement = text;
   }
 
   void ExpectPoints() const {
@@ -214,7 +222,7 @@ class StripGeoreferencer::Work {
   std::vector<PointFate> fates_;
   std::vector<double> shifts_m_;
   std::vector<Vector3d> p_m_, old_m_;
-  files_internal::StripClock clock_;
+  StripSampler sampler_;
   SwathOutline outline_;
   std::optional<StripSurface> before_, after_;
 };

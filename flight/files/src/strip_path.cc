@@ -6,6 +6,12 @@
 #include <array>
 
 namespace dn::files_internal {
+
+std::optional<MapPose> StripPath::FindAt(double t_s) const {
+  const double aligned_s = AlignWeek(t_s, covered);
+  if (!covered.InSpan(aligned_s)) return std::nullopt;
+  return InterpolatePose(poses, aligned_s);
+}
 namespace {
 
 PointFate FateBy(const CoveredTime& covered, double t_s) {
@@ -59,6 +65,15 @@ std::string NothingLeft(const std::string& reason, double t_begin_s, double t_en
          SpanText(t_begin_s, t_end_s) + ", the trajectory " +
          SpanText(covered.t_begin_s, covered.t_end_s) +
          (unit.empty() ? "; check the type of GPS time in the file" : unit);
+}
+
+std::optional<StripDisagreement> FindStripDisagreement(const std::vector<StripSample>& samples,
+                                                       const StripPath& path,
+                                                       const Mounting& mounting,
+                                                       double largest_turn_rad) {
+  return FindStripDisagreement(
+      samples, [&path](double t_s) { return path.FindAt(t_s); }, path.covered.t_begin_s,
+      path.covered.t_end_s, mounting, largest_turn_rad);
 }
 
 }  // namespace dn::files_internal

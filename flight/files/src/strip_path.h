@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/files/strip_agreement.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/strip_io.h>
 
@@ -19,6 +20,9 @@ struct StripPath {
       : poses(trajectory.ToMapPoses(frame)), covered(Cover(trajectory)) {}
 
   MapPose At(double t_s) const { return InterpolatePose(poses, AlignWeek(t_s, covered)); }
+
+  /// Returns the pose, or nullopt outside of the trajectory.
+  std::optional<MapPose> FindAt(double t_s) const;
 
   std::vector<MapPose> poses;
   CoveredTime covered;
@@ -50,6 +54,12 @@ class StripPaths {
   std::optional<StripPath> other_maker_;
   CoveredTime span_;
 };
+
+/// Compares points of a strip with a trajectory (dn/files/strip_agreement.h).
+std::optional<StripDisagreement> FindStripDisagreement(const std::vector<StripSample>& samples,
+                                                       const StripPath& path,
+                                                       const Mounting& mounting,
+                                                       double largest_turn_rad);
 
 /// Throws InvalidInput if the points of a file have no GPS time.
 void ExpectTimes(const StripReader& reader, const std::filesystem::path& file);

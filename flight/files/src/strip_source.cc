@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "strip_clock.h"
 #include "strip_path.h"
 
 namespace dn {
@@ -30,6 +29,17 @@ struct StripSource::Setup {
                             const Mounting& mounting) const {
     if (!points.u_s.empty()) return points.u_s[i];
     return LaserVectorTo(paths.maker().At(t_s), mounting, crs.ToMap(points.p_c[i]));
+  }
+
+  /// Throws InvalidInput if the points cannot belong to the trajectory.
+  void ExpectAgreement(const std::vector<StripSample>& samples, const Mounting& mounting,
+                       bool own_vectors, const FileLocation& where) const {
+    const auto found = files_internal::FindStripDisagreement(
+        samples, own_vectors ? paths.wanted() : paths.maker(), mounting,
+        LargestTurn(Vector3d::Zero(), mounting.boresight_rad));
+    if (found && found->Forbids()) {
+      throw InvalidInput(StripDisagreementText(*found, time_offset_s), where);
+    }
   }
 
   PointCrs crs;
@@ -61,7 +71,7 @@ StripCounts StripSource::Read(const fs::path& file,
   counts.t_end_s = -counts.t_begin_s;
   double all_begin_s = counts.t_begin_s, all_end_s = counts.t_end_s;
   LaserVectors vectors;
-  files_internal::StripClock clock(reader->has_vectors());
+  StripSampler sampler;
   for (StripCloud points; reader->Next(&points);) {
     vectors.t_s.clear();
     vectors.u_s.clear();
@@ -91,11 +101,9 @@ StripCounts StripSource::Read(const fs::path& file,
       }
       counts.t_begin_s = std::min(counts.t_begin_s, vectors.t_s.back());
       counts.t_end_s = std::max(counts.t_end_s, vectors.t_s.back());
-      if (vectors.size() % files_internal::StripClock::kPointsPerSample == 1) {
-        const MapPose pose =
-            (reader->has_vectors() ? setup_->paths.wanted() : setup_->paths.maker()).At(t_s);
-        clock.Take(pose, setup_->crs.ToMap(points.p_c[i]),
-                   Georeference(pose, mounting, vectors.u_s.back()));
+      if (sampler.Wants()) {
+        sampler.Add({t_s, setup_->crs.ToMap(points.p_c[i]),
+                     points.u_s.empty() ? std::nullopt : std::optional(points.u_s[i])});
       }
     }
     counts.kept += vectors.size();
@@ -107,7 +115,7 @@ StripCounts StripSource::Read(const fs::path& file,
                                                    all_end_s, setup_->paths.wanted().covered),
                        where);
   }
-  clock.ExpectAgreement(setup_->time_offset_s, where);
+  setup_->ExpectAgreement(sampler.samples(), mounting, reader->has_vectors(), where);
   return counts;
 }
 

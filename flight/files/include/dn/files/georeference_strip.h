@@ -59,6 +59,9 @@ struct GeoreferencedStrip {
   double t_begin_s = 0.0, t_end_s = 0.0;         ///< first and last time tag of all points
   double shift_rms_m = 0.0;  ///< shift of the remaining points by the new coordinates
   double shift_max_m = 0.0;
+  /// A difference between the points of the file and the trajectory that no boresight explains
+  /// (StripDisagreementText); empty: there is none.
+  std::string disagreement;
   Swath swath;  ///< outline of the new points; the name is empty
   /// Flat ground of the points as they were and as they are now; empty without surface_cell_m.
   FlatSurface surface_before, surface_after;
@@ -87,7 +90,8 @@ class StripGeoreferencer {
   /// file, except for the cells of the surfaces.
   ///
   /// Throws InvalidInput like OpenStrip, and for a file without points or GPS time. Also throws for
-  /// coordinates outside the coordinate system, and if no point remains (with both spans).
+  /// coordinates outside the coordinate system, and if no point remains (with both spans). Throws
+  /// InvalidInput if the points lie so far from the trajectory that they cannot belong to it.
   GeoreferencedStrip Run(const std::filesystem::path& in, const std::filesystem::path& out,
                          const std::function<void(std::uint64_t)>& progress) const;
 
