@@ -85,8 +85,9 @@ void AddWithoutWeight(const std::vector<MapGnssEpoch>& withheld, Flight* flight)
   std::vector<MapGnssEpoch>& epochs = flight->gnss->epochs;
   for (MapGnssEpoch epoch : withheld) {
     const Vector3d default_m2 = flight->config.gnss->sigma_enu_m.cwiseAbs2();
-    epoch.covariance_enu_m2 = kNoWeight * kNoWeight *
-                              epoch.covariance_enu_m2.value_or(Eigen::Matrix3d(default_m2.asDiagonal()));
+    epoch.covariance_enu_m2 =
+        kNoWeight * kNoWeight *
+        epoch.covariance_enu_m2.value_or(Eigen::Matrix3d(default_m2.asDiagonal()));
     epoch.velocity_enu_mps.reset();
     epoch.velocity_covariance_enu.reset();
     epochs.push_back(epoch);
@@ -124,9 +125,9 @@ void Predict(const SplitFlight& split, Score* score) {
         (AntennaDerivative(network, edge, solution.linearized().EvaluateFactorAt(edge.position)) *
          epoch.R_m_enu)
             .inverse();
-    const Eigen::Matrix3d of_prediction_m2 =
-        m_from_residual * (predicted.covariance - Eigen::Matrix3d::Identity()) *
-        m_from_residual.transpose();
+    const Eigen::Matrix3d of_prediction_m2 = m_from_residual *
+                                             (predicted.covariance - Eigen::Matrix3d::Identity()) *
+                                             m_from_residual.transpose();
     const Eigen::Matrix3d white_m2 = epoch.R_m_enu.transpose() *
                                      GnssPositionCovariance(epoch, *flight.config.gnss) *
                                      epoch.R_m_enu / (kNoWeight * kNoWeight);

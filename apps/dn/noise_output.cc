@@ -64,7 +64,8 @@ void PrintNoise(const std::optional<NoiseSizes>& noise) {
   if (!noise->slow_gnss) return;
   const Eigen::Vector3d& sigma_m = noise->slow_gnss->sigma_enu_m;
   fmt::print("  {:<24} {:.2g}, {:.2g}, {:.2g} m (east, north, up), correlated over {:.2g} s\n",
-             "gnss.processes, slow", sigma_m.x(), sigma_m.y(), sigma_m.z(), noise->slow_gnss->tau_s);
+             "gnss.processes, slow", sigma_m.x(), sigma_m.y(), sigma_m.z(),
+             noise->slow_gnss->tau_s);
 }
 
 }  // namespace dn::apps

@@ -78,7 +78,7 @@ TEST(NoiseFromData, GnssSigmasGrowAndStatedFiguresAreTheStart) {
   EXPECT_NEAR(sizes.at("imu.gyro.white").start, 0.5, 1e-12);
 }
 
-/// A flight whose GNSS errors are slow, with the sigmas of a single receiver stated for all of them.
+/// A flight whose GNSS errors are slow, with the sigmas of a single receiver stated for all.
 SimulatedFlight FlyWithSlowGnss(unsigned seed) {
   SimulatedFlight sim = FlyUnknown(
       testing::DroneScenario("effects: [{effect: gnss_correlated_noise, value: [1, 1, 2, 40]}]\n"),

@@ -12,7 +12,7 @@
 namespace dn::files_internal {
 namespace {
 
-using Triple = std::array<std::size_t, 3>;
+using ColumnTriple = std::array<std::size_t, 3>;
 constexpr std::array<const char*, 6> kImuNames{"wx", "wy", "wz", "fx", "fy", "fz"};
 
 /// Returns the column of an axis of the same sensor, else of any sensor.
@@ -26,9 +26,9 @@ std::optional<std::size_t> FindAxis(const std::vector<ColumnMeaning>& meanings,
 }
 
 /// Returns the columns x, y, z of each sensor of a quantity, kRate or kForce.
-std::vector<Triple> NamedTriples(const std::vector<ColumnMeaning>& meanings,
-                                 const std::string& quantity) {
-  std::vector<Triple> triples;
+std::vector<ColumnTriple> NamedTriples(const std::vector<ColumnMeaning>& meanings,
+                                       const std::string& quantity) {
+  std::vector<ColumnTriple> triples;
   std::set<std::string> sensors;
   for (std::size_t i = 0; i < meanings.size(); ++i) {
     if (meanings[i].name != quantity + "x" || !sensors.insert(meanings[i].sensor).second) continue;
@@ -47,7 +47,7 @@ double SensorPrior(const std::string& sensor) {
   return 1.0;
 }
 
-ImuChoice ChoiceFromTriples(const Triple& rates, const Triple& forces, double prior) {
+ImuChoice ChoiceFromTriples(const ColumnTriple& rates, const ColumnTriple& forces, double prior) {
   ImuChoice choice{{}, prior};
   for (std::size_t k = 0; k < 6; ++k) {
     choice.columns.push_back({kImuNames[k], k < 3 ? rates[k] : forces[k - 3]});
@@ -55,9 +55,9 @@ ImuChoice ChoiceFromTriples(const Triple& rates, const Triple& forces, double pr
   return choice;
 }
 
-std::vector<Triple> AdjacentTriples(const VectorColumns& vectors,
-                                    const std::vector<ColumnMeaning>& meanings) {
-  std::vector<Triple> triples;
+std::vector<ColumnTriple> AdjacentTriples(const VectorColumns& vectors,
+                                          const std::vector<ColumnMeaning>& meanings) {
+  std::vector<ColumnTriple> triples;
   for (const std::size_t at : vectors.triples()) {
     const bool unnamed =
         IsUnnamed(meanings, at) && IsUnnamed(meanings, at + 1) && IsUnnamed(meanings, at + 2);
@@ -66,7 +66,7 @@ std::vector<Triple> AdjacentTriples(const VectorColumns& vectors,
   return triples;
 }
 
-bool Overlap(const Triple& a, const Triple& b) {
+bool Overlap(const ColumnTriple& a, const ColumnTriple& b) {
   return std::any_of(a.begin(), a.end(),
                      [&](std::size_t at) { return std::find(b.begin(), b.end(), at) != b.end(); });
 }
@@ -83,7 +83,8 @@ double PlacePrior(const VectorColumns& vectors, std::size_t w, std::size_t f) {
   return prior;
 }
 
-ImuChoice ChoiceByPlace(const VectorColumns& vectors, const Triple& w, const Triple& f) {
+ImuChoice ChoiceByPlace(const VectorColumns& vectors, const ColumnTriple& w,
+                        const ColumnTriple& f) {
   constexpr double kPerDecade = 0.05, kLeastPrior = 0.1;
   ImuChoice choice = ChoiceFromTriples(w, f, PlacePrior(vectors, w[0], f[0]));
   choice.is_usual = choice.prior == 1.0;
@@ -119,8 +120,8 @@ std::vector<ImuChoice> NamedImuChoices(const TextSample& sample) {
   std::vector<ImuChoice> choices;
   constexpr double kPerSensor = 0.01;
   double later = 1.0;
-  for (const Triple& rates : NamedTriples(meanings, kRate)) {
-    for (const Triple& forces : NamedTriples(meanings, kForce)) {
+  for (const ColumnTriple& rates : NamedTriples(meanings, kRate)) {
+    for (const ColumnTriple& forces : NamedTriples(meanings, kForce)) {
       const double prior =
           later * SensorPrior(meanings[rates[0]].sensor) * SensorPrior(meanings[forces[0]].sensor);
       choices.push_back(ChoiceFromTriples(rates, forces, prior));
@@ -134,16 +135,16 @@ std::vector<ImuChoice> NamedImuChoices(const TextSample& sample) {
 std::vector<ImuChoice> AllImuChoices(const TextSample& sample, const TimeColumn& time) {
   const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   const VectorColumns vectors(sample, time, std::max(time.at, time.week.value_or(0)) + 1);
-  std::vector<Triple> rates = NamedTriples(meanings, kRate);
-  std::vector<Triple> forces = NamedTriples(meanings, kForce);
-  const std::vector<Triple> others = AdjacentTriples(vectors, meanings);
+  std::vector<ColumnTriple> rates = NamedTriples(meanings, kRate);
+  std::vector<ColumnTriple> forces = NamedTriples(meanings, kForce);
+  const std::vector<ColumnTriple> others = AdjacentTriples(vectors, meanings);
   const bool named_rates = !rates.empty(), named_forces = !forces.empty();
   if (!named_rates) rates = others;
   if (!named_forces) forces = others;
   std::vector<ImuChoice> choices;
-  for (const Triple& w : rates) {
+  for (const ColumnTriple& w : rates) {
     if (!named_rates && vectors.IsIntegral(w[0])) continue;
-    for (const Triple& f : forces) {
+    for (const ColumnTriple& f : forces) {
       if (Overlap(w, f)) continue;
       const bool named = named_rates || named_forces;
       choices.push_back(named ? ChoiceFromTriples(w, f, 1.0) : ChoiceByPlace(vectors, w, f));

@@ -68,7 +68,8 @@ double HalfSquare(const PositionErrors& errors, std::size_t step, double interva
                .cwiseAbs2();
     ++count;
   }
-  return count < kFewestForIntervals / 2 ? 0.0 : sum.maxCoeff() / (2.0 * static_cast<double>(count));
+  return count < kFewestForIntervals / 2 ? 0.0
+                                         : sum.maxCoeff() / (2.0 * static_cast<double>(count));
 }
 
 /// Returns the shortest time constant that the growth of the differences demands.
@@ -77,8 +78,8 @@ double ShortestTau(const PositionErrors& errors, std::size_t shortest, double in
   double tau_s = kLongestTau_s;
   for (std::size_t step = 2 * shortest;
        static_cast<double>(step) * interval_s <= kLongestInterval_s; step *= 2) {
-    const double growth = (HalfSquare(errors, step, interval_s) - white_variance) /
-                          (1.0 - white_variance);
+    const double growth =
+        (HalfSquare(errors, step, interval_s) - white_variance) / (1.0 - white_variance);
     if (growth <= 0.0) continue;
     tau_s = std::min(tau_s, -static_cast<double>(step) * interval_s /
                                 std::log(1.0 - std::min(growth, kMostGrowth)));
