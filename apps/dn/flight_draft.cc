@@ -262,7 +262,7 @@ void FlightDraft::TakeReadable(FileKind kind, std::optional<FileContent>* place)
       const std::string line = where.line > 0 ? fmt::format(" (line {})", where.line) : "";
       const std::string name = Named((*place)->file);
       std::erase(notes_, name + ": " + (*place)->why);
-      notes_.push_back(name + " is not used: " + error.what() + line);
+      notes_.push_back(fmt::format("{} is not used: {}{}", name, error.what(), line));
       rejected_.push_back(**place);
       place->reset();
     }

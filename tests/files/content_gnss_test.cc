@@ -50,7 +50,7 @@ TEST(ContentGnss, QualityBeforeThePosition) {
         "t,fix,nsat,latDeg,lonDeg,hEllM\n", "t,fix,nsat,phi,lambda,h\n", "t,fix,nsat,B,L,H\n",
         "t,fix,nsat,latdeg,londeg,height\n",
         "towSec,fixType,numSats,positionLat,positionLon,positionHeight\n",
-        "gpsTime,fixType,numSats,gpsLat,gpsLon,gpsHeight\n", "time,a,b,c,d,e\n", ""}) {
+        "gpsTime,fixType,numSats,gpsLat,gpsLon,gpsHeight\n", ""}) {
     SCOPED_TRACE(header);
     const FileContent content = LookAt(header + rows);
     EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;

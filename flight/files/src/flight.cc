@@ -357,15 +357,15 @@ class FolderReader {
       if (outside == 0) ++complete;
     }
     if (needs_.optional && complete == 0) files_internal::ExpectInSpan(pairs, coverages.front());
-    if (flight_.imu && flight_.gnss && !flight_.gnss->epochs.empty()) CheckPairsNearGnss(pairs);
+    if (flight_.imu && gnss_ && !gnss_->epochs.empty()) CheckPairsNearGnss(pairs);
   }
 
   /// Requires that some pairs are near GNSS positions: far from any, an inertial trajectory drifts
   /// by kilometres.
   void CheckPairsNearGnss(const PairData& pairs) {
     const CoveredTime near{"GNSS",
-                           flight_.gnss->epochs.front().t_s - kGnssReach_s,
-                           flight_.gnss->epochs.back().t_s + kGnssReach_s,
+                           gnss_->epochs.front().t_s - kGnssReach_s,
+                           gnss_->epochs.back().t_s + kGnssReach_s,
                            {}};
     const long outside = files_internal::CountOutside(pairs, near);
     Count("pairs far from GNSS", outside);

@@ -3,6 +3,8 @@
 #include <dn/geo/text_fields.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "calendar_text.h"
 #include "gnss_columns.h"
@@ -78,6 +80,25 @@ void DescribeGnss(const TextSample& sample, const TimeColumn& time, const GnssCh
 
 bool IsEcef(const TextTable& table) { return FindCoordinateSystem(table) == "ecef"; }
 
+/// Returns whether the header, if there is one, lets the columns be a position: it names one of
+/// them so, and none as another quantity.
+bool MayBePosition(const TextSample& sample, const std::vector<NamedColumn>& position) {
+  if (sample.names.empty()) return true;
+  const std::vector<ColumnMeaning> plain = FindMeanings(sample),
+                                   spelled = FindGnssMeanings(WithSpelledNames(sample));
+  const auto names_it = [](const std::vector<ColumnMeaning>& meanings, std::size_t at) {
+    constexpr std::array<std::string_view, 4> kNames{"lat", "lon", "h", "h_msl"};
+    return at < meanings.size() && std::ranges::find(kNames, meanings[at].name) != kNames.end();
+  };
+  const auto is_position = [&](const NamedColumn& column) {
+    return names_it(plain, column.at) || names_it(spelled, column.at);
+  };
+  return std::ranges::any_of(position, is_position) &&
+         std::ranges::all_of(position, [&](const NamedColumn& column) {
+           return is_position(column) || IsUnnamed(plain, column.at);
+         });
+}
+
 /// Returns whether latitude and longitude have the same values in all of several rows.
 bool StandsStill(const TextTable& table) {
   for (std::size_t i = 1; i < table.rows(); ++i) {
@@ -94,7 +115,11 @@ bool AreWholeNumbers(const GnssChoice& choice, const TextTable& table) {
 ContentFit FitGnssChoice(const TextSample& sample, const TimeColumn& time, GnssChoice choice) {
   FileContent content;
   content.kind = FileKind::kGnss;
-  FitTests tests(4.0);
+  FitTests tests(5.0);
+  const bool named = choice.by_name || MayBePosition(sample, choice.position);
+  if (!tests.Expect(named, "the header names no latitude and longitude")) {
+    return tests.Result(content);
+  }
   const TextTable table = GnssRows(sample, time, choice.Quantities());
   if (!tests.Expect(AreNumbers(table, sample), TextReason(sample, choice.position))) {
     return tests.Result(content);
