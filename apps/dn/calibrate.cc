@@ -495,7 +495,7 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
         ReadFlightConfig(options.flight, options.common.changes), options.trajectory, run,
         [&](const FlightConfig& matched) { CalibrateBy(methods, options, matched, run); });
   } else if ((methods.gh || (methods.planes && WhyNoPlanes(config).empty())) &&
-             !HasTrajectory(config) && config.imu && config.gnss) {
+             !HasTrajectory(config) && !config.trajectory && config.imu && config.gnss) {
     CalibrateSmoothed(config, run, [&](const FlightConfig& smoothed) {
       CalibrateBy(methods, options, smoothed, run);
     });

@@ -227,12 +227,13 @@ void Run::PublishFailure(const std::string& kind, const std::string& message) {
   files_->Discard();
   report_ = FailureReport(std::move(report_), kind, message);
   const bool of_data = kind == "input" || kind == "not_observable" || kind == "not_converged";
-  if (of_data) {
+  const bool has_read = report_.contains("counts");
+  if (of_data && has_read) {
     report_["tried"] = progress_.stages();
     report_["files"].push_back(kPageName);
   }
   files_->Add(kReportName, FormatJson(report_));
-  if (of_data) AddPage();
+  if (of_data && has_read) AddPage();
   files_->Commit();
 }
 

@@ -80,8 +80,8 @@ class Run {
   /// arrived before.
   void Publish();
 
-  /// Publishes report.json with its present content and the error, and a page of it if the data
-  /// caused the error. Does nothing unless TakeOutput was called.
+  /// Publishes report.json with its present content and the error, and a page of it if the data,
+  /// once read, caused the error. Does nothing unless TakeOutput was called.
   void PublishFailure(const std::string& kind, const std::string& message);
 
   Json& report() { return report_; }

@@ -250,7 +250,7 @@ TEST(CliGeoref, OneBadStripLeavesNoResult) {
   laz[104] = static_cast<char>(0x81);
   flight.Write("strips/3.laz", laz);
   ExpectFailure(flight.Run("georef"), 1, "the record that says how is missing");
-  EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
+  EXPECT_EQ(NamesIn(flight.out()), (std::vector<std::string>{"report.html", "report.json"}));
 }
 
 TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {

@@ -16,7 +16,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMostTrackEpochs = 120, kFewestTrackEpochs = 20;
+constexpr std::size_t kMostTrackEpochs = 120;
+constexpr double kFewestTrackEpochs = 20.0;
 // The antenna is within this distance of the body unless flight.yaml declares its lever arm.
 constexpr double kUndeclaredLeverArmM = 5.0, kTrackSigmas = 4.0;
 // Tracks with a wider gap between them are in different places.
@@ -163,7 +164,7 @@ class TrackMatch {
 
   /// Fills shift, differences and heights.
   void Compare(TrackComparison* result) const {
-    if (gnss_.t_s.size() < kFewestTrackEpochs) return;
+    if (gnss_.t_s.empty() || MostMeeting() < kFewestTrackEpochs) return;
     result->tolerance_m = tolerance_m_;
     if (!SettleShift(result)) return;
     result->one_motion = true;
@@ -183,14 +184,15 @@ class TrackMatch {
     return apart_m;
   }
 
-  /// Returns the number of epochs that a shift must cover.
-  std::size_t Needed() const {
+  /// Returns the number of epochs that can meet the trajectory.
+  double MostMeeting() const {
     const double gnss_s = gnss_.t_s.back() - gnss_.t_s.front();
     const double antenna_s = antenna_.t_s.back() - antenna_.t_s.front();
-    const double epochs = static_cast<double>(gnss_.t_s.size());
-    const double most = epochs * std::min(1.0, antenna_s / gnss_s);
-    return std::max<std::size_t>(5, static_cast<std::size_t>(0.5 * most));
+    return static_cast<double>(gnss_.t_s.size()) * std::min(1.0, antenna_s / gnss_s);
   }
+
+  /// Returns the number of epochs that a shift must cover.
+  std::size_t Needed() const { return static_cast<std::size_t>(0.5 * MostMeeting()); }
 
   double Distance(double shift_s) const {
     const std::vector<Vector3d> apart_m = Apart(shift_s);
