@@ -8,7 +8,7 @@ namespace dn::report_test {
 TEST(FormatWithSigma, RoundsBothToTheSecondDigitOfTheSigma) {
   EXPECT_EQ(FormatWithSigma(46.8123, 1.234), "46.8 +- 1.2");
   EXPECT_EQ(FormatWithSigma(46.8, 10.0), "47 +- 10");
-  EXPECT_EQ(FormatWithSigma(243301.06900000002, 0.004), "243301.0690 +- 0.0040");
+  EXPECT_EQ(FormatWithSigma(243301.06900000002, 0.004), "243301.069 +- 0.004");
   EXPECT_EQ(FormatWithSigma(-0.00012346, 0.0000056), "-0.0001235 +- 0.0000056");
 }
 
@@ -17,11 +17,9 @@ TEST(FormatWithSigma, LargeNumbersHaveNoExponent) {
   EXPECT_EQ(FormatWithSigma(-3.0, 45678.0), "0 +- 46000");
 }
 
-TEST(FormatWithSigma, BothHaveTheSameDecimals) {
-  EXPECT_EQ(FormatWithSigma(20.0, 0.5), "20.00 +- 0.50");
-  EXPECT_EQ(FormatWithSigma(0.0707, 0.02), "0.071 +- 0.020");
-  EXPECT_EQ(FormatWithSigma(-0.0001, 0.5), "0.00 +- 0.50");
-  EXPECT_EQ(FormatWithSigma(181.0, 301.0), "180 +- 300");
+TEST(FormatWithSigma, ZerosAtTheEndAreLeftOut) {
+  EXPECT_EQ(FormatWithSigma(20.0, 0.5), "20 +- 0.5");
+  EXPECT_EQ(FormatWithSigma(-0.0001, 0.5), "0 +- 0.5");
 }
 
 TEST(FormatWithSigma, ASigmaThatIsNoneLeavesTheValueAsItIs) {

@@ -9,11 +9,12 @@ namespace {
 
 constexpr int kMostDecimals = 15;
 
-/// Formats a number with this many decimals, without the sign of a zero.
+/// Formats a number with this many decimals, without zeros at their end.
 std::string Fixed(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
-  if (text.find_first_not_of("-0.") == std::string::npos && text[0] == '-') text.erase(0, 1);
-  return text;
+  if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
 }
 
 }  // namespace
