@@ -227,13 +227,13 @@ void Run::PublishFailure(const std::string& kind, const std::string& message) {
   files_->Discard();
   report_ = FailureReport(std::move(report_), kind, message);
   const bool of_data = kind == "input" || kind == "not_observable" || kind == "not_converged";
-  const bool has_read = report_.contains("counts");
-  if (of_data && has_read) {
+  const bool has_page = of_data && report_.contains("counts");  // the data were read
+  if (has_page) {
     report_["tried"] = progress_.stages();
     report_["files"].push_back(kPageName);
   }
   files_->Add(kReportName, FormatJson(report_));
-  if (of_data && has_read) AddPage();
+  if (has_page) AddPage();
   files_->Commit();
 }
 

@@ -44,13 +44,12 @@ std::string AfterQuality(const Place& p) {
 
 TEST(ContentGnss, QualityBeforeThePosition) {
   const std::string rows = FlightRows(AfterQuality);
-  for (const char* header :
-       {"t,fix,nsat,gpsLatitude,gpsLongitude,gpsHeight\n",
-        "t,fix,nsat,LatitudeDegrees,LongitudeDegrees,AltitudeMeters\n",
-        "t,fix,nsat,latDeg,lonDeg,hEllM\n", "t,fix,nsat,phi,lambda,h\n", "t,fix,nsat,B,L,H\n",
-        "t,fix,nsat,latdeg,londeg,height\n",
-        "towSec,fixType,numSats,positionLat,positionLon,positionHeight\n",
-        "gpsTime,fixType,numSats,gpsLat,gpsLon,gpsHeight\n", ""}) {
+  for (const char* header : {"t,fix,nsat,gpsLatitude,gpsLongitude,gpsHeight\n",
+                             "t,fix,nsat,LatitudeDegrees,LongitudeDegrees,AltitudeMeters\n",
+                             "t,fix,nsat,latDeg,lonDeg,hEllM\n", "t,fix,nsat,phi,lambda,h\n",
+                             "t,fix,nsat,B,L,H\n", "t,fix,nsat,latdeg,londeg,height\n",
+                             "towSec,fixType,numSats,positionLat,positionLon,positionHeight\n",
+                             "gpsTime,fixType,numSats,gpsLat,gpsLon,gpsHeight\n", ""}) {
     SCOPED_TRACE(header);
     const FileContent content = LookAt(header + rows);
     EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;

@@ -114,15 +114,16 @@ TEST(ContentInertial, NumberedAxes) {
     return Plus(Plus(Plus({1e6 * t}, w), Plus({20000, 0}, f)), {20000, 0, 0, 1, 1});
   });
   const std::string tail = ",integral_dt,clipping,gyro_clipping,accel_count,gyro_count\n";
+  const char* const kPx4 =
+      "timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],gyro_dt,accelerometer_timestamp_relative,"
+      "accelerometer_m_s2[0],accelerometer_m_s2[1],accelerometer_m_s2[2]";
   for (const char* header :
-       {"timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],gyro_dt,accelerometer_timestamp_relative,"
-        "accelerometer_m_s2[0],accelerometer_m_s2[1],accelerometer_m_s2[2]",
-        "timestamp,gyro.0,gyro.1,gyro.2,gyro_dt,relative,accel.0,accel.1,accel.2",
+       {kPx4, "timestamp,gyro.0,gyro.1,gyro.2,gyro_dt,relative,accel.0,accel.1,accel.2",
         "timestamp,gyro_1,gyro_2,gyro_3,gyro_dt,relative,accel_1,accel_2,accel_3",
         "timestamp,gyro0,gyro1,gyro2,gyro_dt,relative,acc0,acc1,acc2",
         "timestamp,gyro.x,gyro.y,gyro.z,gyro_dt,relative,acc.x,acc.y,acc.z"}) {
     SCOPED_TRACE(header);
-    const FileContent content = Inspect(header + tail + rows);
+    const FileContent content = Inspect(std::string(header).append(tail).append(rows));
     EXPECT_EQ(content.kind, FileKind::kImu) << content.why;
     EXPECT_THAT(content.columns,
                 ElementsAre("t_us", "wx", "wy", "wz", "skip", "skip", "fx", "fy", "fz"));
@@ -134,17 +135,19 @@ TEST(ContentInertial, NumberedAxes) {
 }
 
 TEST(ContentInertial, MoreNames) {
+  const char* const kMscl =
+      "Time,a:scaledGyroX,a:scaledGyroY,a:scaledGyroZ,a:scaledAccelX,a:scaledAccelY,"
+      "a:scaledAccelZ\n";
+  const char* const kCoreMotion =
+      "loggingTime,gyroRotationX(rad/s),gyroRotationY(rad/s),gyroRotationZ(rad/s),"
+      "accelerometerAccelerationX,accelerometerAccelerationY,accelerometerAccelerationZ\n";
   for (const char* header :
        {"t,rotationRateX,rotationRateY,rotationRateZ,accelerationX,accelerationY,accelerationZ\n",
         "t,IMUGyrX,IMUGyrY,IMUGyrZ,IMUAccX,IMUAccY,IMUAccZ\n",
         "t,xGyro,yGyro,zGyro,xAcc,yAcc,zAcc\n", "t,xgyro,ygyro,zgyro,xacc,yacc,zacc\n",
         "t,BodyRateX,BodyRateY,BodyRateZ,BodyAccX,BodyAccY,BodyAccZ\n",
         "t,AngRateX,AngRateY,AngRateZ,AccelX,AccelY,AccelZ\n",
-        "t,angratex,angratey,angratez,forcex,forcey,forcez\n",
-        "Time,a:scaledGyroX,a:scaledGyroY,a:scaledGyroZ,a:scaledAccelX,a:scaledAccelY,"
-        "a:scaledAccelZ\n",
-        "loggingTime,gyroRotationX(rad/s),gyroRotationY(rad/s),gyroRotationZ(rad/s),"
-        "accelerometerAccelerationX,accelerometerAccelerationY,accelerometerAccelerationZ\n",
+        "t,angratex,angratey,angratez,forcex,forcey,forcez\n", kMscl, kCoreMotion,
         "t,gyro1_x,gyro1_y,gyro1_z,acc1_x,acc1_y,acc1_z\n",
         "TIME_S,GYR_X_RAD_S,GYR_Y_RAD_S,GYR_Z_RAD_S,ACC_X_MPS2,ACC_Y_MPS2,ACC_Z_MPS2\n"}) {
     SCOPED_TRACE(header);

@@ -8,29 +8,13 @@
 #include <vector>
 
 #include "lower_case.h"
+#include "name_words.h"
 
 namespace dn::files_internal {
 namespace {
 
 using NamePart = std::string_view;
 using Choices = std::initializer_list<NamePart>;
-
-/// Splits a name in lower case into words of letters and digits.
-std::vector<std::string> SplitWords(NamePart name) {
-  std::vector<std::string> words(1);
-  for (const char c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      words.back() += c;
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
-  }
-  if (words.back().empty()) words.pop_back();
-  return words;
-}
-
-bool IsUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
-bool IsLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
 
 bool IsLetter(const NamePart& name, std::size_t at) {
   return at < name.size() && (IsLower(name[at]) || IsUpper(name[at]));

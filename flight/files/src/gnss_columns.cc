@@ -19,7 +19,6 @@ using NamedList = std::vector<NamedColumn>;
 using Meanings = std::vector<ColumnMeaning>;
 using TripleNames = std::array<const char*, 3>;
 
-constexpr TripleNames kPosition{"lat", "lon", "h"};
 constexpr TripleNames kSigma{"sigma_e", "sigma_n", "sigma_u"};
 constexpr TripleNames kVelocity{"ve", "vn", "vu"};
 constexpr TripleNames kVelocitySigma{"sigma_ve", "sigma_vn", "sigma_vu"};

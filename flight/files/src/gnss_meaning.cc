@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "lower_case.h"
+#include "name_words.h"
 
 namespace dn::files_internal {
 namespace {
@@ -24,8 +25,6 @@ bool HasWord(const NameWordList& words, WordChoice list) {
                      [&](const std::string& word) { return IsAmong(word, list); });
 }
 
-bool IsUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
-bool IsLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 /// Separates words that begin with a capital letter: "GPSTime" becomes "GPS Time".
@@ -39,19 +38,6 @@ std::string WithoutCamelCase(std::string_view name) {
     spelled += name[i];
   }
   return spelled;
-}
-
-NameWordList SplitName(std::string_view name) {
-  NameWordList words(1);
-  for (const char c : LowerCase(name)) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      words.back() += c;
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
-  }
-  if (words.back().empty()) words.pop_back();
-  return words;
 }
 
 /// Returns the unit that a word names; empty if it names none.
@@ -185,7 +171,7 @@ std::string HemisphereName(const NameWordList& words, const std::string& text) {
 ColumnMeaning FindGnssMeaning(const std::string& name, const std::string& text) {
   const std::string lower = LowerCase(name);
   ColumnMeaning meaning = FindMeaning(name);
-  const NameWordList words = SplitName(lower.substr(0, lower.find_first_of("([{")));
+  const NameWordList words = SplitWords(lower.substr(0, lower.find_first_of("([{")));
   if (const std::string hemisphere = HemisphereName(words, text); !hemisphere.empty()) {
     return {hemisphere, ""};
   }
@@ -215,7 +201,7 @@ void TakeSymbols(const TextSample& spelled, std::vector<ColumnMeaning>* meanings
     std::array<std::size_t, 3> at{};
     std::array<bool, 3> found{};
     for (std::size_t i = 0; i < spelled.names.size(); ++i) {
-      const NameWordList words = SplitName(spelled.names[i]);
+      const NameWordList words = SplitWords(LowerCase(spelled.names[i]));
       if (words.empty()) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::string_view symbol = k == 0 ? symbols.lat : k == 1 ? symbols.lon : symbols.h;
@@ -236,7 +222,7 @@ void TakeSymbols(const TextSample& spelled, std::vector<ColumnMeaning>* meanings
 std::string SpelledName(const std::string& name) {
   if (LowerCase(name).find("covariance") != std::string::npos) return name;
   const std::size_t open = std::min(name.find_first_of("([{"), name.size());
-  return Spelled(WithGluedWordsApart(SplitName(WithoutCamelCase(name.substr(0, open)))),
+  return Spelled(WithGluedWordsApart(SplitWords(LowerCase(WithoutCamelCase(name.substr(0, open))))),
                  name.substr(open));
 }
 

@@ -269,7 +269,8 @@ std::string NoTimeReason(const TextSample& sample) {
   for (const std::string& name : sample.names) {
     const std::string meaning = FindMeaning(name).name;
     if (meaning == kRowCount) {
-      return reason + " ('" + name + "' counts rows): export the time as well";
+      reason.append(" ('").append(name).append("' counts rows): export the time as well");
+      return reason;
     }
     const bool is_time = LowerCase(name).find("time") != name.npos;
     if (meaning == kOtherQuantity && is_time) return "the unit of '" + name + "' is not known";

@@ -51,7 +51,7 @@ const ImuGap* PairGap(const LidarPair& pair, const CoveredTime& covered) {
 }  // namespace
 
 std::string ClockHint(double t_s, const CoveredTime& covered, const std::string& key) {
-  const std::string unit = TimeUnitHint(t_s, covered.t_begin_s, covered.t_end_s);
+  std::string unit = TimeUnitHint(t_s, covered.t_begin_s, covered.t_end_s);
   if (!unit.empty() || covered.InSpan(t_s)) return unit;
   constexpr double kHourS = 3600.0;
   constexpr int kMostHours = 6 * 24, kMostZone = 14;
@@ -61,9 +61,10 @@ std::string ClockHint(double t_s, const CoveredTime& covered, const std::string&
       if (!covered.InSpan(t_s + shift_s)) continue;
       const std::string by = hours % 24 == 0 && hours > 24 ? std::to_string(hours / 24) + " days"
                                                            : std::to_string(hours) + " hours";
-      return "; it would lie inside " + by + (shift_s > 0.0 ? " later" : " earlier") +
-             ": check the time zone and the day, or set " + key +
-             ".time_offset_s: " + FormatDouble(-shift_s);
+      std::string hint = "; it would lie inside ";
+      hint.append(by).append(shift_s > 0.0 ? " later" : " earlier");
+      hint.append(": check the time zone and the day, or set ").append(key);
+      return hint.append(".time_offset_s: ").append(FormatDouble(-shift_s));
     }
   }
   return {};

@@ -1,5 +1,6 @@
 #include <dn/files/pair_clock.h>
 #include <dn/files/strip_agreement.h>
+#include <dn/geo/offset_search.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
 #include <dn/median.h>
@@ -27,9 +28,8 @@ constexpr double kLeverArmM = 1.0;
 const double kMostLook = std::tan(30.0 / 180.0 * std::numbers::pi);
 // No mounting is wrong by more.
 const double kLargestMounting = std::tan(10.0 / 180.0 * std::numbers::pi);
-constexpr double kOffsetSteps = 4000.0, kCoarseOffsetS = 0.5, kFineOffsetS = 0.005;
-constexpr std::size_t kOffsetsRefined = 6;
-constexpr double kOffsetRefining = 8.0, kOffsetCloser = 4.0;
+constexpr double kOffsetSteps = 4000.0, kCoarseOffsetS = 0.5, kOffsetCloser = 4.0;
+constexpr OffsetSearch kOffsetSearch{.refined = 6, .refining = 8.0, .finest_s = 0.005};
 constexpr double kLeastOffsetS = 0.05, kLeastLookOffsetS = 0.5;
 constexpr double kFootTolerance = 0.05, kReliefM = 1.0, kScaleOnly = 0.3;
 // A scanner that looks in a plane keeps it within this angle; another one does not show its clock.
@@ -41,39 +41,6 @@ double MedianComponent(const std::vector<Vector3d>& rows, int axis) {
   for (const Vector3d& row : rows) values.push_back(row[axis]);
   return Median(std::move(values));
 }
-
-/// The search of the time offset for which a distance is smallest.
-class OffsetSearch {
- public:
-  explicit OffsetSearch(std::function<double(double)> distance) : distance_(std::move(distance)) {}
-
-  std::pair<double, double> Best(double from_s, double to_s, double step_s) const {
-    std::vector<std::pair<double, double>> found;  // distance, offset
-    for (double offset_s = from_s; offset_s <= to_s; offset_s += step_s) {
-      found.emplace_back(distance_(offset_s), offset_s);
-    }
-    std::pair<double, double> best{std::numeric_limits<double>::infinity(), 0.0};
-    const std::size_t count = std::min(kOffsetsRefined, found.size());
-    std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count),
-                      found.end());
-    for (std::size_t k = 0; k < count; ++k) best = std::min(best, Refine(found[k], step_s));
-    return best;
-  }
-
- private:
-  std::pair<double, double> Refine(std::pair<double, double> best, double step_s) const {
-    while (step_s > kFineOffsetS) {
-      const double middle_s = best.second, fine_s = step_s / kOffsetRefining;
-      for (double offset_s = middle_s - step_s; offset_s <= middle_s + step_s; offset_s += fine_s) {
-        best = std::min(best, {distance_(offset_s), offset_s});
-      }
-      step_s = fine_s;
-    }
-    return best;
-  }
-
-  std::function<double(double)> distance_;
-};
 
 class StripComparison {
  public:
@@ -87,14 +54,13 @@ class StripComparison {
   std::optional<StripDisagreement> Find(double t_begin_s, double t_end_s) const {
     if (samples_.size() < kFewestSamples) return std::nullopt;
     const bool vectors = samples_.front().u_s.has_value();
-    const std::optional<StripDisagreement> as_tagged = At(0.0);
+    std::optional<StripDisagreement> as_tagged = At(0.0);
     if (as_tagged && as_tagged->kind == Kind::kAbove) return as_tagged;
-    const std::optional<StripDisagreement> clock =
-        vectors ? ClockByPoints(as_tagged, t_begin_s, t_end_s)
-                : ClockByPlace(as_tagged, t_begin_s, t_end_s);
+    std::optional<StripDisagreement> clock = vectors ? ClockByPoints(as_tagged, t_begin_s, t_end_s)
+                                                     : ClockByPlace(as_tagged, t_begin_s, t_end_s);
     if (clock) return clock;
     if (!vectors) {
-      const std::optional<StripDisagreement> by_plane = ClockByPlane(as_tagged);
+      std::optional<StripDisagreement> by_plane = ClockByPlane(as_tagged);
       if (by_plane) return by_plane;
     }
     if (!as_tagged) return Outside(t_begin_s, t_end_s);
@@ -208,8 +174,8 @@ class StripComparison {
         [](const StripSample& a, const StripSample& b) { return a.t_s < b.t_s; });
     const double from_s = first->t_s - t_end_s, to_s = last->t_s - t_begin_s;
     const double step_s = std::max(kCoarseOffsetS, (to_s - from_s) / kOffsetSteps);
-    return OffsetSearch([this](double offset_s) { return Distance(offset_s); })
-        .Best(from_s, to_s, step_s);
+    return kOffsetSearch.Best(from_s, to_s, step_s,
+                              [this](double offset_s) { return Distance(offset_s); });
   }
 
   std::optional<StripDisagreement> Clock(const std::optional<StripDisagreement>& as_tagged,
@@ -267,9 +233,8 @@ class StripComparison {
   /// Returns scatter and offset of the clearest plane between two offsets, if there is one.
   std::optional<std::pair<double, double>> PlaneOffset(double from_s, double to_s) const {
     const double step_s = std::max(0.1, (to_s - from_s) / 600.0);
-    const std::pair<double, double> best = OffsetSearch([this](double offset_s) {
-                                             return PlaneScatter(offset_s);
-                                           }).Best(from_s, to_s, step_s);
+    const std::pair<double, double> best = kOffsetSearch.Best(
+        from_s, to_s, step_s, [this](double offset_s) { return PlaneScatter(offset_s); });
     if (best.first > kPlaneRad) return std::nullopt;
     return best;
   }

@@ -1,5 +1,6 @@
 #include <dn/builder/gnss_factors.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/offset_search.h>
 #include <dn/geo/point_crs.h>
 #include <dn/median.h>
 #include <dn/navigation/track_agreement.h>
@@ -26,10 +27,9 @@ constexpr double kLeastTrackSpeedMps = 1.0;
 constexpr double kTrackCloser = 5.0;
 // Positions may be so many times worse than stated.
 constexpr double kNoisy = 10.0;
-// Search of the shift: steps of the whole range, best of them that are refined, final step.
-constexpr double kCoarseSteps = 8000.0, kFinestCoarseS = 0.5, kFineS = 0.01;
-constexpr std::size_t kRefined = 8;
-constexpr double kRefining = 8.0;
+// Search of the shift: steps of the whole range, and how the best of them are refined.
+constexpr double kCoarseSteps = 8000.0, kFinestCoarseS = 0.5;
+constexpr OffsetSearch kShiftSearch{.refined = 8, .refining = 8.0, .finest_s = 0.01};
 // Horizontal differences count as constant if they scatter by less than this share.
 constexpr double kConstantShare = 0.2;
 // Heights determine a scale by their variation if it is larger, otherwise by their size.
@@ -159,7 +159,7 @@ double MedianDistanceFrom(const std::vector<Vector3d>& rows, const Vector2d& cen
 /// Compares one reading of the coordinates.
 class TrackMatch {
  public:
-  TrackMatch(FlatTrack gnss, FlatTrack antenna, double tolerance_m)
+  TrackMatch(const FlatTrack& gnss, FlatTrack antenna, double tolerance_m)
       : gnss_(MovingEpochs(gnss)), antenna_(std::move(antenna)), tolerance_m_(tolerance_m) {}
 
   /// Fills shift, differences and heights.
@@ -225,27 +225,9 @@ class TrackMatch {
     const double from_s = antenna_.t_s.front() - gnss_.t_s.back();
     const double to_s = antenna_.t_s.back() - gnss_.t_s.front();
     const double step_s = std::max(kFinestCoarseS, (to_s - from_s) / kCoarseSteps);
-    std::vector<std::pair<double, double>> found;  // distance, shift
-    for (double shift_s = from_s; shift_s <= to_s; shift_s += step_s) {
-      found.emplace_back(Distance(shift_s), shift_s);
-    }
-    const std::size_t count = std::min(kRefined, found.size());
-    std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count),
-                      found.end());
-    std::pair<double, double> best{std::numeric_limits<double>::infinity(), 0.0};
-    for (std::size_t k = 0; k < count; ++k) best = std::min(best, Refine(found[k], step_s));
-    return best.second;
-  }
-
-  std::pair<double, double> Refine(std::pair<double, double> best, double step_s) const {
-    while (step_s > kFineS) {
-      const double middle_s = best.second, fine_s = step_s / kRefining;
-      for (double shift_s = middle_s - step_s; shift_s <= middle_s + step_s; shift_s += fine_s) {
-        best = std::min(best, {Distance(shift_s), shift_s});
-      }
-      step_s = fine_s;
-    }
-    return best;
+    return kShiftSearch
+        .Best(from_s, to_s, step_s, [this](double shift_s) { return Distance(shift_s); })
+        .second;
   }
 
   HeightMistake JudgeHeights(double shift_s, double apart_m) const {
@@ -334,7 +316,7 @@ std::optional<TrackComparison> CompareTracks(const Flight& flight) {
     if (GapBetween(gnss, antenna) > kOnePlaceM) continue;
     TrackComparison found = result;
     found.place = reading;
-    TrackMatch(std::move(gnss), std::move(antenna), tolerance_m).Compare(&found);
+    TrackMatch(gnss, std::move(antenna), tolerance_m).Compare(&found);
     if (found.one_motion || result.place == PlaceMistake::kElsewhere) result = found;
     if (found.one_motion) break;
   }

@@ -51,6 +51,8 @@ bool HasUnknownNoise(const FlightConfig& config);
 /// with a new adjustment in each round. Outliers are searched in the first round, and again once
 /// the sizes have converged; the rounds go on if this changes the sizes. Both scales of GNSS do not
 /// fall below their start values: the residuals do not show errors that epochs share over minutes.
+/// The exception are positions whose errors are slow (FindSlowGnssErrors): sigma_scale then falls
+/// to the white part, and gnss.processes gets the rest. The rounds go on with an unknown clock.
 ///
 /// If the sensors contradict each other with the start sizes, larger ones are tried first. A round
 /// that fails later ends the estimation with the latest sizes for which the search for outliers
