@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "data_hints.h"
+#include "logged_attitudes.h"
 #include "nmea_sigmas.h"
 #include "scanner_draft.h"
 #include "strip_hints.h"
@@ -31,6 +32,8 @@ constexpr double kSqrtHourPerSqrtS = 1.0 / 60.0;
 constexpr double kWhiteMargin = 1.5;
 // Sigma of a lever arm that nobody stated: antennas and scanners are mounted within a metre.
 constexpr double kLeverArmSigmaM = 0.5;
+// Logs filter their attitudes. A smaller offset is left to the positions.
+constexpr double kAttitudeClockS = 0.3;
 constexpr const char* kDefaultImu = "IMU.txt";
 constexpr const char* kDefaultGnss = "GPS.txt";
 
@@ -302,6 +305,7 @@ void FlightDraft::Settle() {
   if (gnss_ && gnss_->gnss_format == GnssFormat::kNmea) {
     nmea_qualities_ = CountNmeaQualities(gnss_->file);
   }
+  SettleByAttitudes();
   try {
     SettleSensors();
   } catch (const InvalidInput& error) {
@@ -355,6 +359,32 @@ void FlightDraft::CompareOtherUnits() {
   imu_ = used;
 }
 
+void FlightDraft::SettleByAttitudes() {
+  if (!imu_ || !gnss_ || gnss_offset_s_ != 0.0) return;
+  const std::optional<LoggedAttitudes> log = CompareLoggedAttitudes(*gnss_, ImuText(), folder_);
+  if (!log) return;
+  found_.push_back(log->Text(Named(gnss_->file), Named(imu_->file)));
+  if (std::abs(log->offset_s) > kAttitudeClockS) {
+    gnss_offset_s_ = std::round(1e3 * log->offset_s) / 1e3;
+  }
+  if (!log->HasParallelAxes()) return;
+  R_imu_to_body_ = log->R_axes * R_imu_to_body_;
+  axes_by_attitudes_ = true;
+}
+
+bool FlightDraft::SettleByHint(const DataHint& hint, const DataAgreement& agreement) {
+  if (hint.key == "imu.time_offset_s") {
+    imu_offset_s_ = std::stod(hint.value);
+  } else if (hint.key == "gnss.time_offset_s") {
+    gnss_offset_s_ = std::stod(hint.value);
+  } else if (hint.key == "imu.R_imu_to_body" && !axes_by_attitudes_) {
+    R_imu_to_body_ = FitAxes(*agreement.directions).R_turn * R_imu_to_body_;
+  } else {
+    return false;
+  }
+  return true;
+}
+
 void FlightDraft::SettleSensors() {
   // The clocks come first, since finding the axes needs course and gyros at the same time.
   for (int pass = 0; pass < 3; ++pass) {
@@ -364,19 +394,14 @@ void FlightDraft::SettleSensors() {
     bool changed = false;
     axes_notes_.clear();
     for (const DataHint& hint : DataHints(flight, agreement)) {
-      if (hint.key == "imu.time_offset_s") imu_offset_s_ = std::stod(hint.value);
-      if (hint.key == "gnss.time_offset_s") gnss_offset_s_ = std::stod(hint.value);
-      if (hint.key == "imu.R_imu_to_body") {
-        R_imu_to_body_ = FitAxes(*agreement.directions).R_turn * R_imu_to_body_;
-      }
-      const bool settled = hint.key == "imu.time_offset_s" || hint.key == "gnss.time_offset_s" ||
-                           hint.key == "imu.R_imu_to_body";
+      const bool settled = SettleByHint(hint, agreement);
       changed = changed || settled;
       if (settled) found_.push_back(hint.text);
       if (!settled) axes_notes_.push_back(HintText(hint));
       if (settled && hint.key != "imu.R_imu_to_body") break;
     }
-    axes_known_ = agreement.directions && agreement.directions->course_b.has_value();
+    axes_known_ =
+        axes_by_attitudes_ || (agreement.directions && agreement.directions->course_b.has_value());
     if (flight.imu) {
       imu_summary_ = ImuSummary(*flight.imu);
       white_ = EstimateWhiteNoise(*flight.imu);
@@ -501,7 +526,9 @@ std::string FlightDraft::ImuText() const {
   }
   text += fmt::format("  R_imu_to_body: {}   # data in axes {}: {}\n", MatrixText(R_imu_to_body_),
                       AxesName(R_imu_to_body_),
-                      axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");
+                      axes_by_attitudes_ ? "from the attitudes of the GNSS file"
+                      : axes_known_      ? "from gravity and course"
+                                         : "from gravity; forward is a guess");
   text += OffsetText(imu_offset_s_);
   text += fmt::format(
       "  # smooth, calibrate and gap estimate the noise from the flight. They start at the "

@@ -47,7 +47,11 @@ class FlightDraft {
   void TakeReadable(FileKind kind, std::optional<FileContent>* place);
   /// Notes the further files of each kind.
   void NoteOthers();
+  /// Determines the clock of a GNSS log and the axes of the inertial data from attitudes.
+  void SettleByAttitudes();
   void SettleSensors();
+  /// Applies a hint to clocks or axes. Returns false if it concerns something else.
+  bool SettleByHint(const DataHint& hint, const DataAgreement& agreement);
   /// Compares the rotations of all other inertial files with those of the file in use.
   void CompareOtherUnits();
   /// Compares the trajectory with GNSS and inertial data, and corrects its columns.
@@ -83,6 +87,7 @@ class FlightDraft {
   std::vector<std::string> found_, notes_, axes_notes_, trajectory_notes_, strip_notes_;
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
   bool axes_known_ = false;
+  bool axes_by_attitudes_ = false;  ///< they follow from the attitudes of the GNSS file
   std::string utm_zone_;  ///< e.g. "32n", from the GNSS positions; empty if unknown
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
   NmeaQualities nmea_qualities_;

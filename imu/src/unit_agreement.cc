@@ -14,11 +14,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kBinS = 0.1;
-constexpr double kShortestSpanS = 20.0;
+// Rates are compared as means over bins: of this length, or of a row if rows are longer.
+constexpr double kLeastBinS = 0.1;
+constexpr double kFewestBins = 200.0;
 // Correlation of the magnitudes of the rates of one motion; that of a rival offset is smaller.
 constexpr double kSameMotion = 0.5, kLeastLead = 0.15;
-constexpr double kRivalDistanceS = 2.0;
+constexpr double kRivalDistanceBins = 20.0;
 constexpr int kIterations = 20, kParts = 8;
 constexpr double kConvergedS = 1e-7;
 // The least of the singular values of the turns over the largest.
@@ -27,7 +28,7 @@ constexpr double kLeastTurn = 0.02;
 /// Integral of the rates over time.
 class SummedRates {
  public:
-  explicit SummedRates(const ImuData& imu) {
+  SummedRates(const ImuData& imu, double bin_s) : bin_s_(bin_s) {
     t_s_.push_back(imu.t_begin_s());
     sum_rad_.push_back(Vector3d::Zero());
     for (const ImuSample& sample : imu.samples) {
@@ -38,10 +39,20 @@ class SummedRates {
 
   double begin_s() const { return t_s_.front(); }
   double end_s() const { return t_s_.back(); }
+  double bin_s() const { return bin_s_; }
 
   /// Returns the mean rate of the bin around a time.
   Vector3d Mean(double t_s) const {
-    return (At(t_s + 0.5 * kBinS) - At(t_s - 0.5 * kBinS)) / kBinS;
+    return (At(t_s + 0.5 * bin_s_) - At(t_s - 0.5 * bin_s_)) / bin_s_;
+  }
+
+  /// Returns the middles of the bins from one time to another.
+  std::vector<double> Bins(double begin_s, double end_s) const {
+    std::vector<double> bins_s;
+    for (double t_s = begin_s + 0.5 * bin_s_; t_s + 0.5 * bin_s_ <= end_s; t_s += bin_s_) {
+      bins_s.push_back(t_s);
+    }
+    return bins_s;
   }
 
  private:
@@ -52,22 +63,14 @@ class SummedRates {
     return sum_rad_[k - 1] + share * (sum_rad_[k] - sum_rad_[k - 1]);
   }
 
+  double bin_s_;
   std::vector<double> t_s_;
   std::vector<Vector3d> sum_rad_;
 };
 
-/// Returns the middles of the bins from one time to another.
-std::vector<double> Bins(double begin_s, double end_s) {
-  std::vector<double> bins_s;
-  for (double t_s = begin_s + 0.5 * kBinS; t_s + 0.5 * kBinS <= end_s; t_s += kBinS) {
-    bins_s.push_back(t_s);
-  }
-  return bins_s;
-}
-
 std::vector<double> Magnitudes(const SummedRates& rates) {
   std::vector<double> magnitudes;
-  for (const double t_s : Bins(rates.begin_s(), rates.end_s())) {
+  for (const double t_s : rates.Bins(rates.begin_s(), rates.end_s())) {
     magnitudes.push_back(rates.Mean(t_s).norm());
   }
   return magnitudes;
@@ -79,7 +82,7 @@ double Correlation(const std::vector<double>& x, const std::vector<double>& y, l
   const long past =
       std::min<long>(static_cast<long>(x.size()), static_cast<long>(y.size()) - shift);
   const auto n = static_cast<double>(past - first);
-  if (n * kBinS < kShortestSpanS) return 0.0;
+  if (n < kFewestBins) return 0.0;
   const Eigen::Map<const Eigen::ArrayXd> u(x.data() + first, past - first);
   const Eigen::Map<const Eigen::ArrayXd> v(y.data() + first + shift, past - first);
   const double mean_u = u.mean(), mean_v = v.mean();
@@ -97,12 +100,12 @@ std::optional<double> CoarseOffset(const SummedRates& a, const SummedRates& b) {
   const auto best = std::max_element(correlations.begin(), correlations.end());
   double rival = 0.0;
   for (auto it = correlations.begin(); it != correlations.end(); ++it) {
-    const bool far = std::abs(static_cast<double>(it - best)) * kBinS > kRivalDistanceS;
+    const bool far = std::abs(static_cast<double>(it - best)) > kRivalDistanceBins;
     if (far) rival = std::max(rival, *it);
   }
   if (*best < kSameMotion || *best - rival < kLeastLead) return std::nullopt;
   const auto shift = static_cast<double>(first + (best - correlations.begin()));
-  return b.begin_s() - a.begin_s() + shift * kBinS;
+  return b.begin_s() - a.begin_s() + shift * a.bin_s();
 }
 
 /// Parameters of the relation: offset, drift, a small rotation and the bias.
@@ -147,7 +150,8 @@ class Span {
   /// Adds the normal equations of one bin.
   void Accumulate(const Relation& relation, double t_s, Normals* N, Parameters* g) const {
     const double tag_s = SecondTag(relation, t_s);
-    const Vector3d slope = (b_.Mean(tag_s + 0.5 * kBinS) - b_.Mean(tag_s - 0.5 * kBinS)) / kBinS;
+    const double half_s = 0.5 * b_.bin_s();
+    const Vector3d slope = (b_.Mean(tag_s + half_s) - b_.Mean(tag_s - half_s)) / b_.bin_s();
     Eigen::Matrix<double, 3, 8> J;
     J << slope, (t_s - first_s_) * slope, Skew(Vector3d(relation.R_ba * a_.Mean(t_s))),
         -Matrix3d::Identity();
@@ -167,6 +171,19 @@ class Span {
   double first_s_;
   std::vector<double> bins_s_;
 };
+
+/// Returns the rms of the rates in a span without their mean, per axis.
+double Motion(const SummedRates& rates, const std::vector<double>& bins_s) {
+  const auto n = static_cast<double>(bins_s.size());
+  Vector3d sum = Vector3d::Zero();
+  double square = 0.0;
+  for (const double t_s : bins_s) {
+    const Vector3d w = rates.Mean(t_s);
+    sum += w;
+    square += w.squaredNorm();
+  }
+  return std::sqrt((square / n - (sum / n).squaredNorm()) / 3.0);
+}
 
 struct UnitSolution {
   Relation relation;
@@ -242,19 +259,21 @@ double SquaredDifference(const UnitSolution& part, const Relation& whole) {
 /// Two units and the span that both cover.
 class Pair {
  public:
-  Pair(const ImuData& a, const ImuData& b) : a_(a), b_(b), coarse_s_(CoarseOffset(a_, b_)) {
+  Pair(const ImuData& a, const ImuData& b, double bin_s)
+      : a_(a, bin_s), b_(b, bin_s), coarse_s_(CoarseOffset(a_, b_)) {
     if (!coarse_s_) return;
-    first_s_ = std::max(a_.begin_s(), b_.begin_s() - *coarse_s_) + kMarginS;
-    last_s_ = std::min(a_.end_s(), b_.end_s() - *coarse_s_) - kMarginS;
+    first_s_ = std::max(a_.begin_s(), b_.begin_s() - *coarse_s_) + MarginS();
+    last_s_ = std::min(a_.end_s(), b_.end_s() - *coarse_s_) - MarginS();
   }
 
-  bool has_span() const { return coarse_s_ && last_s_ - first_s_ > kShortestSpanS; }
+  bool has_span() const { return coarse_s_ && last_s_ - first_s_ > kFewestBins * a_.bin_s(); }
   double first_s() const { return first_s_; }
   double last_s() const { return last_s_; }
+  double motion_radps() const { return Motion(a_, a_.Bins(first_s_, last_s_)); }
 
   /// Returns nullopt if the turns do not determine the rotation.
   std::optional<UnitSolution> Whole() const {
-    const Span span(a_, b_, first_s_, Bins(first_s_, last_s_));
+    const Span span(a_, b_, first_s_, a_.Bins(first_s_, last_s_));
     bool determined = false;
     Relation start{*coarse_s_};
     start.R_ba = span.Rotation(*coarse_s_, &determined);
@@ -267,7 +286,7 @@ class Pair {
     double sum = 0.0;
     for (int k = 0; k < kParts; ++k) {
       const double begin_s = first_s_ + k * length_s, middle_s = begin_s + 0.5 * length_s;
-      const Span part(a_, b_, middle_s, Bins(begin_s, begin_s + length_s));
+      const Span part(a_, b_, middle_s, a_.Bins(begin_s, begin_s + length_s));
       const Relation here = AtLaterReference(whole, middle_s - first_s_);
       sum += SquaredDifference(SolveUnits(part, here, false), here);
     }
@@ -276,7 +295,9 @@ class Pair {
 
  private:
   // The fine offset and the drift stay inside the records.
-  static constexpr double kMarginS = 1.0;
+  double MarginS() const { return kMarginBins * a_.bin_s(); }
+
+  static constexpr double kMarginBins = 10.0;
 
   SummedRates a_, b_;
   std::optional<double> coarse_s_;
@@ -286,7 +307,7 @@ class Pair {
 }  // namespace
 
 std::optional<UnitAgreement> CompareUnits(const ImuData& a, const ImuData& b) {
-  const Pair pair(a, b);
+  const Pair pair(a, b, std::max({kLeastBinS, a.nominal_dt_s, b.nominal_dt_s}));
   if (!pair.has_span()) return std::nullopt;
   const std::optional<UnitSolution> whole = pair.Whole();
   if (!whole) return std::nullopt;
@@ -305,6 +326,7 @@ std::optional<UnitAgreement> CompareUnits(const ImuData& a, const ImuData& b) {
                        .first_s = pair.first_s(),
                        .last_s = pair.last_s(),
                        .noise_radps = whole->noise_radps,
+                       .motion_radps = pair.motion_radps(),
                        .variance_ratio = ratio,
                        .p_value = ChiSquareTail(sum, kDof)};
 }

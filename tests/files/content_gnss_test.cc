@@ -1,5 +1,6 @@
 // Files of GNSS positions as receivers and programs write them.
 #include <dn/files/file_content.h>
+#include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_data.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -342,6 +343,37 @@ TEST(ContentGnss, SentencesAfterTheTimeOfALogger) {
                    "0.8,585.9219,M,50.000,M,1.0,0001*6E\n")
                 .gnss_format,
             GnssFormat::kNmea);
+}
+
+// Flight controllers write attitudes that do not follow the course.
+TEST(ContentGnss, AttitudesOfAFlightControllerAreFound) {
+  const auto rows = [](double unit_deg) {
+    return FlightRows([=](const Place& p) {
+      const double slow = 0.1 * p.t_s;
+      return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},{:.5f},{:.5f},{:.5f}", p.t_s, p.lat_deg,
+                         p.lon_deg, p.h_m, (220.0 + 20.0 * std::sin(slow)) * unit_deg,
+                         4.0 * std::cos(slow) * unit_deg, 3.0 * std::sin(2.0 * slow) * unit_deg);
+    });
+  };
+  const char* begin = "time,latitude,longitude,altitude(meters),";
+  for (const char* header :
+       {"compass_heading(degrees),pitch(degrees),roll(degrees)\n", "OSD.yaw,OSD.pitch,OSD.roll\n",
+        "Yaw [deg],Pitch [deg],Roll [deg]\n"}) {
+    SCOPED_TRACE(header);
+    const FileContent content = LookAt(begin + (header + rows(1.0)));
+    EXPECT_EQ(content.kind, FileKind::kGnss) << content.why;
+    EXPECT_THAT(content.attitude, ElementsAre("t", "lat", "lon", "h", "heading", "pitch", "roll"));
+  }
+  for (const char* header : {"yaw,pitch,roll\n", "heading(rad),pitch(rad),roll(rad)\n"}) {
+    SCOPED_TRACE(header);
+    const FileContent content = LookAt(begin + (header + rows(kRadPerDeg)));
+    EXPECT_THAT(content.attitude,
+                ElementsAre("t", "lat", "lon", "h", "heading_rad", "pitch_rad", "roll_rad"));
+  }
+  for (const char* header : {"gimbal_heading,gimbal_pitch,gimbal_roll\n", "a,b,c\n"}) {
+    SCOPED_TRACE(header);
+    EXPECT_THAT(LookAt(begin + (header + rows(1.0))).attitude, IsEmpty());
+  }
 }
 
 }  // namespace dn::files_test

@@ -61,6 +61,24 @@ TEST(UnitAgreement, FindsClockAndAxesWithinTheirSigmas) {
   EXPECT_NEAR(found->noise_radps, std::sqrt(2.0) * kNoise_radps, 0.2 * kNoise_radps);
 }
 
+// A record with few rows per second, such as the attitudes in the log of a flight controller.
+TEST(UnitAgreement, RowsMayBeRare) {
+  for (const double rate_hz : {10.0, 5.0, 2.0}) {
+    SCOPED_TRACE(rate_hz);
+    Unit other = OtherUnit();
+    other.rate_hz = rate_hz;
+    other.offset_s = -497.13;
+    const auto found = CompareUnits(Unit{}.Record(400.0), other.Record(400.0));
+    ASSERT_TRUE(found);
+    const double true_s = other.offset_s + other.drift * found->first_s;
+    EXPECT_NEAR(found->offset_s, true_s, 0.02 / rate_hz + kSigmas * found->sigma_offset_s);
+    EXPECT_LT(found->noise_radps, 0.1 * found->motion_radps);
+  }
+  Unit rare = OtherUnit();
+  rare.rate_hz = 2.0;
+  EXPECT_FALSE(CompareUnits(Unit{}.Record(90.0), rare.Record(90.0)));
+}
+
 TEST(UnitAgreement, UnitsThatTurnAgainstEachOtherDisagree) {
   Unit other = OtherUnit();
   other.bending_radps = 2e-4;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "testing/short_flights.h"
 
@@ -166,6 +167,39 @@ TEST(AttitudeAgreement, AnotherClockIsTakenIntoAccount) {
   });
   EXPECT_TRUE(FindAttitudeMistake(flight, -18.0));
   EXPECT_FALSE(FindAttitudeMistake(flight));
+}
+
+// Logs of flight controllers have clocks, sensor axes and resolutions of their own.
+TEST(AttitudeAgreement, IndependentClocksAndAxesAreFound) {
+  for (const double shift_s : {0.0, -497.13, 3.2, 1e5}) {
+    SCOPED_TRACE(shift_s);
+    Flight flight = Changed([&](NavPoint* point) {
+      point->t_s += shift_s;
+      const Vector3d a = (Angles(point->q_nb) * kDegPerRad * 10.0).array().round() / 10.0;
+      point->q_nb = FromAngles(a.x() * kRadPerDeg, a.y() * kRadPerDeg, a.z() * kRadPerDeg);
+    });
+    const Quaterniond q_sb = FromAngles(std::numbers::pi, 0.02, -1.5);
+    for (ImuSample& sample : flight.imu->samples) sample.w_ib_b_radps = q_sb * sample.w_ib_b_radps;
+    const auto found = CompareAttitudes(flight);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->offset_s, shift_s, 0.02 + 4.0 * found->sigma_offset_s);
+    EXPECT_LT(found->q_ba.angularDistance(q_sb.conjugate()), 0.02);
+  }
+}
+
+TEST(AttitudeAgreement, OtherTurnsAreNotCompared) {
+  Flight flight = Changed(Keep);
+  const auto shrunk = [](NavPoint* point) {
+    const Vector3d a = Angles(point->q_nb);
+    point->q_nb = FromAngles(a.x() * kRadPerDeg, a.y() * kRadPerDeg, a.z() * kRadPerDeg);
+  };
+  EXPECT_TRUE(CompareAttitudes(flight));
+  EXPECT_FALSE(CompareAttitudes(Changed(shrunk)));  // degrees that were taken as radians
+  Flight other = flight;
+  other.trajectory = Changed(Keep, testing::AircraftScenario()).trajectory;
+  EXPECT_FALSE(CompareAttitudes(other));
+  flight.trajectory.reset();
+  EXPECT_FALSE(CompareAttitudes(flight));
 }
 
 }  // namespace dn::navigation_test

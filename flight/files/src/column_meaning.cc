@@ -264,7 +264,7 @@ std::string OtherName(const NameWords& words) {
 }
 
 std::string AttitudeName(const NameWords& words) {
-  if (IsSigma(words) || words.Any({"rate", "speed", "bias"})) return {};
+  if (IsSigma(words) || words.Any({"rate", "speed", "bias", "gimbal"})) return {};
   if (words.Any({"q", "quat", "quaternion", "orientation"})) {
     for (const char axis : {'w', 'x', 'y', 'z'}) {
       if (words.Is(NamePart(&axis, 1))) return std::string("q") + axis;

@@ -12,6 +12,7 @@
 #include "gnss_path.h"
 #include "picked_columns.h"
 #include "trajectory_content.h"
+#include "trajectory_fit.h"
 
 namespace dn::files_internal {
 namespace {
@@ -62,12 +63,23 @@ bool AreAllZero(const TextTable& table, std::size_t at) {
          LargestValue(table, at + 2) == 0.0;
 }
 
+/// Returns the columns of a trajectory with the same positions; empty without attitudes.
+ColumnNames AttitudeColumns(const TextSample& sample, const TimeColumn& time,
+                            const GnssChoice& choice) {
+  std::vector<NamedColumn> all = FindAngles(sample);
+  if (all.empty() || !choice.crs.empty()) return {};
+  all.insert(all.end(), choice.position.begin(), choice.position.end());
+  all.insert(all.end(), choice.added.begin(), choice.added.end());
+  return FormatNames(time, all);
+}
+
 void DescribeGnss(const TextSample& sample, const TimeColumn& time, const GnssChoice& choice,
                   const TextTable& table, FileContent* content) {
   content->has_sigma = !choice.sigma.empty() && !AreAllZero(table, 4);
   content->has_velocity = !choice.velocity.empty() && !AreAllZero(table, table.columns - 3);
   content->accuracy = choice.accuracy;
   content->crs = choice.crs;
+  content->attitude = AttitudeColumns(sample, time, choice);
   if (IsPlainObGins(sample, time, choice)) {
     content->gnss_format = GnssFormat::kObGins;
     return;

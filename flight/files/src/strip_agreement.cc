@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Kind = StripDisagreement::Kind;
+using DisagreementKind = StripDisagreement::Kind;
 
 constexpr std::size_t kMostSamples = 2000, kFewestSamples = 10, kSearchSamples = 60;
 // A boresight explains so many times the turn that it makes, and always this turn.
@@ -55,7 +55,7 @@ class StripComparison {
     if (samples_.size() < kFewestSamples) return std::nullopt;
     const bool vectors = samples_.front().u_s.has_value();
     std::optional<StripDisagreement> as_tagged = At(0.0);
-    if (as_tagged && as_tagged->kind == Kind::kAbove) return as_tagged;
+    if (as_tagged && as_tagged->kind == DisagreementKind::kAbove) return as_tagged;
     std::optional<StripDisagreement> clock = vectors ? ClockByPoints(as_tagged, t_begin_s, t_end_s)
                                                      : ClockByPlace(as_tagged, t_begin_s, t_end_s);
     if (clock) return clock;
@@ -112,15 +112,16 @@ class StripComparison {
     const double range_m = found.range_m = Median(all.ranges_m);
     found.limit_m =
         samples_.front().u_s ? kLeverArmM + largest_turn_rad_ * range_m : kMostLook * range_m;
-    if (10 * all.above > 9 * all.apart_m.size()) found.kind = Kind::kAbove;
-    if (found.kind == Kind::kShift && samples_.front().u_s && InFeet(all)) found.kind = Kind::kFeet;
+    if (10 * all.above > 9 * all.apart_m.size()) found.kind = DisagreementKind::kAbove;
+    if (found.kind == DisagreementKind::kShift && samples_.front().u_s && InFeet(all))
+      found.kind = DisagreementKind::kFeet;
     return found;
   }
 
   /// Returns the times if all points have tags outside of the trajectory.
   std::optional<StripDisagreement> Outside(double t_begin_s, double t_end_s) const {
     StripDisagreement found;
-    found.kind = Kind::kOutside;
+    found.kind = DisagreementKind::kOutside;
     found.t_begin_s = t_begin_s;
     found.t_end_s = t_end_s;
     found.t_first_s = found.t_last_s = samples_.front().t_s;
@@ -152,7 +153,7 @@ class StripComparison {
 
   /// Returns whether a boresight and a lever arm explain the shift.
   bool Explained(const StripDisagreement& found) const {
-    if (found.kind != Kind::kShift) return false;
+    if (found.kind != DisagreementKind::kShift) return false;
     if (!samples_.front().u_s) return std::abs(found.apart_m.x()) <= found.limit_m;
     const double aside_m = Median(Compare(0.0).aside_m);
     return found.apart_m.head<2>().norm() <= found.limit_m &&
@@ -181,7 +182,7 @@ class StripComparison {
   std::optional<StripDisagreement> Clock(const std::optional<StripDisagreement>& as_tagged,
                                          double offset_s, double sigma_s) const {
     StripDisagreement clock = as_tagged.value_or(StripDisagreement{});
-    clock.kind = Kind::kClock;
+    clock.kind = DisagreementKind::kClock;
     clock.offset_s = offset_s;
     clock.sigma_s = sigma_s;
     return clock;
@@ -277,8 +278,8 @@ std::string ShiftText(const Vector3d& apart_m) {
 }  // namespace
 
 bool StripDisagreement::Forbids() const {
-  if (kind == Kind::kFeet || kind == Kind::kAbove) return true;
-  if (kind == Kind::kShift || kind == Kind::kOutside) return false;
+  if (kind == DisagreementKind::kFeet || kind == DisagreementKind::kAbove) return true;
+  if (kind == DisagreementKind::kShift || kind == DisagreementKind::kOutside) return false;
   return range_m == 0.0 || apart_m.head<2>().norm() > kLargestMounting * range_m;
 }
 
@@ -307,22 +308,22 @@ std::string StripDisagreementText(const StripDisagreement& found, double declare
   const std::string shift =
       "the points lie " + ShiftText(found.apart_m) + " where the trajectory puts them";
   switch (found.kind) {
-    case Kind::kShift:
+    case DisagreementKind::kShift:
       return shift + ", and a boresight moves them by " + Metres(found.limit_m) +
              " at most: are their heights and coordinates (strips_crs, frame.origin_deg_m) those "
              "of "
              "the trajectory, and are both of one adjustment?";
-    case Kind::kFeet:
+    case DisagreementKind::kFeet:
       return shift + ": their heights are in feet; convert the strips to metres";
-    case Kind::kAbove:
+    case DisagreementKind::kAbove:
       return "the points lie above the trajectory: are their heights in feet, or is their system "
              "another one (strips_crs, frame.origin_deg_m)?";
-    case Kind::kOutside:
+    case DisagreementKind::kOutside:
       return "the points have time tags " + Seconds(found.t_first_s) + " .. " +
              Seconds(found.t_last_s) + ", outside of the trajectory, " + Seconds(found.t_begin_s) +
              " .. " + Seconds(found.t_end_s) +
              ": do they count from another day, week or epoch? Set lidar.time_offset_s";
-    case Kind::kClock:
+    case DisagreementKind::kClock:
       break;
   }
   const bool met = found.apart_m != Vector3d::Zero();

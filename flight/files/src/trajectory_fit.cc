@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "gnss_path.h"
 #include "picked_columns.h"
 #include "trajectory_content.h"
 
@@ -210,6 +212,17 @@ ContentFit FitTrajectory(const TextSample& sample) {
     content.columns = FormatNames(*time, all);
   }
   return tests.Result(std::move(content));
+}
+
+NamedColumns FindAngles(const TextSample& sample) {
+  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
+  NamedColumns angles = FindSet(meanings, {{"roll", "pitch", "heading"}});
+  if (angles.empty() || !meanings[angles.front().at].unit.empty()) return angles;
+  const auto exceeds_turn = [&](const NamedColumn& angle) {
+    return LargestValue(sample.table, angle.at) > 2.0 * std::numbers::pi;
+  };
+  if (std::ranges::any_of(angles, exceeds_turn)) return angles;
+  return WithAnglesInRadians({angles, ""}).columns;
 }
 
 }  // namespace dn::files_internal

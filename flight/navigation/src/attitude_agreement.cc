@@ -1,3 +1,4 @@
+#include <dn/median.h>
 #include <dn/navigation/attitude_agreement.h>
 #include <dn/rotation.h>
 
@@ -16,7 +17,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using Kind = AttitudeMistake::Kind;
+using MistakeKind = AttitudeMistake::Kind;
 
 // Turns over shorter steps would be noise, over longer ones they would be averaged.
 constexpr double kTurnStepS = 0.2, kLongestTurnStepS = 2.0;
@@ -24,6 +25,9 @@ constexpr std::size_t kMostTurns = 4000, kFewestTurns = 50;
 // Attitudes that leave less of the turns are right. A mistake must leave this share of what they
 // leave as read at most, and much less than the turns.
 constexpr double kRightMisfit = 0.2, kExplains = 0.4, kGoodMisfit = 0.5;
+
+// Rms of the differences of the turns over that of the turns, at most.
+constexpr double kSameTurns = 0.6;
 
 /// A step of the trajectory, with the turn of the gyros in body.
 struct TurnStep {
@@ -121,17 +125,17 @@ std::vector<Matrix3d> AxesTurns() {
 
 std::vector<std::pair<AttitudeMistake, Correction>> PossibleMistakes() {
   std::vector<std::pair<AttitudeMistake, Correction>> all{
-      {{Kind::kRollSign},
+      {{MistakeKind::kRollSign},
        WithAngles([](const Vector3d& a) { return Vector3d(-a.x(), a.y(), a.z()); })},
-      {{Kind::kPitchSign},
+      {{MistakeKind::kPitchSign},
        WithAngles([](const Vector3d& a) { return Vector3d(a.x(), -a.y(), a.z()); })},
-      {{Kind::kHeadingSign},
+      {{MistakeKind::kHeadingSign},
        WithAngles([](const Vector3d& a) { return Vector3d(a.x(), a.y(), -a.z()); })},
-      {{Kind::kRollPitchExchanged},
+      {{MistakeKind::kRollPitchExchanged},
        WithAngles([](const Vector3d& a) { return Vector3d(a.y(), a.x(), a.z()); })},
-      {{Kind::kInverse}, [](const Quaterniond& q) { return q.conjugate(); }}};
+      {{MistakeKind::kInverse}, [](const Quaterniond& q) { return q.conjugate(); }}};
   for (const Matrix3d& R_turn : AxesTurns()) {
-    all.push_back({{Kind::kAxes, R_turn},
+    all.push_back({{MistakeKind::kAxes, R_turn},
                    [q_turn = Quaterniond(R_turn)](const Quaterniond& q) { return q * q_turn; }});
   }
   return all;
@@ -154,6 +158,20 @@ std::optional<AttitudeMistake> Explain(const std::vector<TurnStep>& turns, bool 
   return best;
 }
 
+/// Returns the rates between the attitudes of a trajectory, without forces.
+ImuData RatesOfAttitudes(const std::vector<NavPoint>& points) {
+  ImuData rates;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    ImuSample sample{points[i].t_s, points[i].t_s - points[i - 1].t_s};
+    sample.w_ib_b_radps = Log(points[i - 1].q_nb.conjugate() * points[i].q_nb) / sample.dt_s;
+    rates.samples.push_back(sample);
+  }
+  std::vector<double> steps_s;
+  for (const ImuSample& sample : rates.samples) steps_s.push_back(sample.dt_s);
+  rates.nominal_dt_s = Median(steps_s);
+  return rates;
+}
+
 }  // namespace
 
 std::optional<AttitudeMistake> FindAttitudeMistake(const Flight& flight, double shift_s) {
@@ -162,6 +180,13 @@ std::optional<AttitudeMistake> FindAttitudeMistake(const Flight& flight, double 
   if (turns.size() < kFewestTurns) return std::nullopt;
   const std::optional<AttitudeMistake> found = Explain(turns, false);
   return found ? found : Explain(turns, true);
+}
+
+std::optional<UnitAgreement> CompareAttitudes(const Flight& flight) {
+  if (!flight.trajectory || !flight.imu) return std::nullopt;
+  const auto found = CompareUnits(*flight.imu, RatesOfAttitudes(flight.trajectory->points()));
+  const bool one_size = found && found->noise_radps < kSameTurns * found->motion_radps;
+  return one_size ? found : std::nullopt;
 }
 
 }  // namespace dn

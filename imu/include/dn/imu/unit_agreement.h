@@ -22,7 +22,9 @@ struct UnitAgreement {
   Eigen::Vector3d sigma_rotation_rad = Eigen::Vector3d::Zero();  ///< axes of b
   double first_s = 0.0;      ///< begin of the common span, tags of a
   double last_s = 0.0;       ///< its end
-  double noise_radps = 0.0;  ///< rms of the differences of the rates over a tenth of a second
+  /// Means over bins of a tenth of a second, or of a row if rows are longer: rms of the differences
+  /// of the rates, and of the rates of a without their mean. Both are per axis.
+  double noise_radps = 0.0, motion_radps = 0.0;
   /// Squared differences of the solutions of eight parts of the span from the whole one, divided by
   /// their variances. Near 1 if the units agree within their noise. The sigmas above are those of
   /// the noise, multiplied by the root of it if it exceeds 1.
@@ -32,8 +34,9 @@ struct UnitAgreement {
 
 /// Finds the relation of two units whose clocks are independent of each other. The magnitudes of
 /// the rates, which do not depend on axes, give the offset; least squares over the rates give the
-/// rest. Returns nullopt if the units do not measure the same rotations during 20 s at least. Also
-/// returns nullopt if two offsets fit about as well, or if the body turns about one axis only.
+/// rest. Returns nullopt if the units do not measure the same rotations during 20 s at least, or
+/// during 200 rows of the slower unit. Also returns nullopt if two offsets fit about as well, or if
+/// the body turns about one axis only.
 std::optional<UnitAgreement> CompareUnits(const ImuData& a, const ImuData& b);
 
 }  // namespace dn

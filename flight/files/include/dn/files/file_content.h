@@ -34,6 +34,9 @@ struct FileContent {
   /// For kGnss: names of columns with an accuracy that `columns` cannot express, in quotes.
   std::string accuracy;
   std::string crs;  ///< for kGnss: the coordinate system, if it is not geographic
+  /// For kGnss in geographic coordinates: columns of a trajectory with the same positions, if the
+  /// header names roll, pitch and heading.
+  ColumnNames attitude;
   /// For text of kTrajectory. The zone of a grid cannot be determined; its crs is "utm:".
   std::optional<TrajectoryColumns> trajectory = {};
   /// For text: offset of the time tags, tag = t + value. It is not 0 if the tags are seconds since

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/files/flight.h>
+#include <dn/imu/unit_agreement.h>
 
 #include <Eigen/Core>
 #include <optional>
@@ -29,5 +30,11 @@ struct AttitudeMistake {
 /// trajectory minus those of the inertial data. Returns nullopt without one of the two, if they
 /// agree, and unless one mistake explains the difference.
 std::optional<AttitudeMistake> FindAttitudeMistake(const Flight& flight, double shift_s = 0.0);
+
+/// Compares the turns of the trajectory (b) with those of the gyros (a) if their clocks are
+/// independent of each other, or the axes of the gyros in the body are not known. `q_ba` takes the
+/// axes of the inertial data, as they were read, to those of the trajectory. Returns nullopt
+/// without one of the two, if CompareUnits does, or if the turns differ by their size.
+std::optional<UnitAgreement> CompareAttitudes(const Flight& flight);
 
 }  // namespace dn
