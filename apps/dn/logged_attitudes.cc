@@ -11,6 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "data_hints.h"
+
 namespace dn::apps {
 namespace {
 
@@ -39,10 +41,11 @@ Matrix3d NearestAxes(const Matrix3d& R) {
 
 std::string TrajectorySection(const FileContent& gnss, const std::filesystem::path& folder) {
   return fmt::format(
-      "\ntrajectory:\n  file: {}\n  columns: {}\n  attitude: roll_pitch_heading\n"
+      "\ntrajectory:\n  file: {}\n  columns: {}\n  attitude: {}\n"
       "  sigma_xy_m: 1\n  sigma_z_m: 1\n  sigma_rp_deg: 1\n  sigma_y_deg: 1\n",
       QuoteYaml(gnss.file.lexically_relative(folder).generic_string()),
-      FormatColumnNames(gnss.attitude));
+      FormatColumnNames(gnss.attitude),
+      AttitudeWord(TrajectoryColumns::Attitude::kRollPitchHeading));
 }
 
 }  // namespace

@@ -12,9 +12,10 @@ namespace dn::apps {
 
 /// Clock of a GNSS log and axes of the inertial data, from the attitudes in the log.
 struct LoggedAttitudes {
-  UnitAgreement found;     ///< a: inertial data, b: log
-  double offset_s = 0.0;   ///< tags of the log minus those of the inertial data, in the middle
-  Eigen::Matrix3d R_axes;  ///< rotation nearest to found.q_ba between parallel axes
+  UnitAgreement found;    ///< a: inertial data, b: log
+  double offset_s = 0.0;  ///< tags of the log minus those of the inertial data, in the middle
+  /// The rotation between parallel axes that is nearest to found.q_ba.
+  Eigen::Matrix3d R_axes = Eigen::Matrix3d::Identity();
   double axes_rest_rad = 0.0;
 
   /// Returns whether the axes of the inertial data are parallel to those of the log.

@@ -350,8 +350,9 @@ TEST(ContentGnss, AttitudesOfAFlightControllerAreFound) {
   const auto rows = [](double unit_deg) {
     return FlightRows([=](const Place& p) {
       const double slow = 0.1 * p.t_s;
-      return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},{:.5f},{:.5f},{:.5f}", p.t_s, p.lat_deg,
-                         p.lon_deg, p.h_m, (220.0 + 20.0 * std::sin(slow)) * unit_deg,
+      return fmt::format("{:.3f},{:.9f},{:.9f},{:.4f},{:.5f},{:.5f},{:.5f}", p.t_s,
+                         93.0 - p.lat_deg, p.lon_deg, p.h_m,
+                         (100.0 + 20.0 * std::sin(slow)) * unit_deg,
                          4.0 * std::cos(slow) * unit_deg, 3.0 * std::sin(2.0 * slow) * unit_deg);
     });
   };
