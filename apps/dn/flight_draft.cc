@@ -552,6 +552,9 @@ std::string FlightDraft::GnssText() const {
   std::string text = fmt::format("\n# {}\ngnss:\n  file: {}\n  format: {}\n", gnss_summary_,
                                  QuoteYaml(Named(gnss_->file)), format);
   text += ColumnNamesText(*gnss_);
+  if (gnss_->only_changed) {
+    text += "  rows: changed                 # the other rows repeat a position, or have none\n";
+  }
   if (!gnss_->crs.empty()) {
     text += fmt::format("  crs: {:<25} # from the size of the coordinates\n", gnss_->crs);
   }

@@ -88,7 +88,7 @@ class FlightDraft {
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
   bool axes_known_ = false;
   bool axes_by_attitudes_ = false;  ///< they follow from the attitudes of the GNSS file
-  std::string utm_zone_;  ///< e.g. "32n", from the GNSS positions; empty if unknown
+  std::string utm_zone_;            ///< e.g. "32n", from the GNSS positions; empty if unknown
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
   NmeaQualities nmea_qualities_;
   std::string imu_summary_, gnss_summary_;

@@ -12,11 +12,11 @@ constexpr double kUsualGrowth = 5.0;
 void WarnIfGrown(const NoiseSize& size, Run* run) {
   if (!size.name.ends_with(".white") || size.value <= kUsualGrowth * size.start) return;
   run->progress().Warn(
-      fmt::format("the residuals need {} of {}, {:.0f} times its start: an error that the model "
-                  "leaves out looks the same (clock, axes, lever arm, vibration); run dn check and "
-                  "dn gap",
+      fmt::format("the residuals need {} of {} {}, {:.0f} times the value in flight.yaml: an "
+                  "error that the model leaves out looks the same (clock, axes, lever arm, "
+                  "vibration); run dn check and dn gap",
                   size.name, FormatWithSigma(size.value, size.value * size.relative_sigma),
-                  size.value / size.start));
+                  size.unit, size.value / size.start));
 }
 
 }  // namespace

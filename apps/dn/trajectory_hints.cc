@@ -1,6 +1,7 @@
 #include "trajectory_hints.h"
 
 #include <dn/error.h>
+#include <dn/geo/gps_time.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/attitude_agreement.h>
@@ -25,7 +26,6 @@ constexpr double kSameClockS = 0.5;
 constexpr double kWholeSecondS = 0.1;
 // Leap seconds between GPS time and UTC since 2006.
 constexpr double kLeastLeapS = 14.0, kMostLeapS = 18.0;
-constexpr double kDayS = 86400.0;
 
 enum class Culprit { kTrajectory, kGnss, kEither };
 

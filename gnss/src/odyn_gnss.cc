@@ -1,4 +1,8 @@
+#include <dn/error.h>
 #include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <utility>
 
 #include "gnss_readers.h"
 
@@ -38,16 +42,48 @@ std::vector<std::string> NamedQuantities(const ColumnNames& names) {
   return quantities;
 }
 
+TextTable ReadColumns(const std::filesystem::path& file, const GnssColumns& columns) {
+  if (columns.names.empty()) return ReadTextTable(file, {4, 7, 10, 13});
+  return ReadNamedColumns(file, columns.names, NamedQuantities(columns.names), SIZE_MAX,
+                          columns.only_changed ? EmptyRows::kLeaveOut : EmptyRows::kError);
+}
+
+/// Leaves out rows without a position and rows with that of the row before.
+void KeepChangedPositions(TextTable* table, GnssData* data) {
+  TextTable kept;
+  kept.file = table->file;
+  kept.columns = table->columns;
+  const double* before = nullptr;
+  long empty = 0, repeated = 0;
+  for (std::size_t i = 0; i < table->rows(); ++i) {
+    const double* row = table->row(i);
+    if (row[1] == 0.0 && row[2] == 0.0) {
+      ++empty;
+      continue;
+    }
+    if (before != nullptr && std::equal(row + 1, row + 4, before + 1)) {
+      ++repeated;
+      continue;
+    }
+    before = row;
+    kept.values.insert(kept.values.end(), row, row + table->columns);
+    kept.lines.push_back(table->lines[i]);
+  }
+  data->Count("gnss rows without a position, left out", empty);
+  data->Count("gnss rows that repeat the position before, left out", repeated);
+  if (kept.rows() == 0) throw InvalidInput("no row has a position", {table->file.string(), 0, 0});
+  *table = std::move(kept);
+}
+
 }  // namespace
 
 GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
                       const GnssColumns& columns) {
-  TextTable table = columns.names.empty()
-                        ? ReadTextTable(file, {4, 7, 10, 13})
-                        : ReadNamedColumns(file, columns.names, NamedQuantities(columns.names));
+  TextTable table = ReadColumns(file, columns);
+  GnssData data;
+  if (columns.only_changed) KeepChangedPositions(&table, &data);
   const Layout layout = RowLayout(table.columns);
   std::vector<std::size_t> keep;
-  GnssData data;
   data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);
   data.epochs.reserve(keep.size());
   for (const std::size_t i : keep) {

@@ -390,6 +390,71 @@ TEST(CliInit, ComparesTwoInertialUnits) {
   EXPECT_THAT(init.out, HasSubstr("turned by 180"));
 }
 
+/// Returns inertial data and GNSS positions in one table. The rows without a new position have
+/// nothing, zeros or the last position in its place.
+std::string OneTable(const RawFolder& raw, const std::string& between) {
+  const TextTable imu = ReadTextTable(raw.path() + "/IMU.txt", {});
+  const TextTable gps = ReadTextTable(raw.path() + "/GPS.txt", {});
+  std::string text = "t,gx,gy,gz,ax,ay,az,lat,lon,alt\n", position = ",0,0,0";
+  for (std::size_t i = 0, k = 0; i < imu.rows(); ++i) {
+    for (std::size_t c = 0; c < 7; ++c) text += (c > 0 ? "," : "") + FormatDouble(imu.row(i)[c]);
+    const bool is_new = k < gps.rows() && gps.row(k)[0] <= imu.row(i)[0] + 1e-6;
+    if (is_new) {
+      position.clear();
+      for (std::size_t c = 1; c < 4; ++c) position += "," + FormatDouble(gps.row(k)[c]);
+      ++k;
+    }
+    text += (is_new || between == "held" ? position : between) + "\n";
+  }
+  return text;
+}
+
+TEST(CliInit, OneTableMayHaveInertialDataAndPositions) {
+  for (const char* between : {",,,", ",0,0,0", ",nan,nan,nan", "held"}) {
+    SCOPED_TRACE(between);
+    const RawFolder raw;
+    raw.Write("log.csv", OneTable(raw, between));
+    for (const char* name : {"IMU.txt", "GPS.txt"}) fs::remove(fs::path(raw.path()) / name);
+    const ProgramRun init = RunProgram({"init", raw.path()});
+    EXPECT_EQ(init.exit_code, 0) << init.err;
+    EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("rows: changed"), HasSubstr("lat, lon, h]")));
+    const ProgramRun check = RunProgram({"check", raw.path()});
+    EXPECT_THAT(check.out, AllOf(HasSubstr("1.00 Hz"), HasSubstr("verdict         ready")));
+  }
+}
+
+// The log of a flight controller, whose clock began with the flight.
+TEST(CliInit, AttitudesInALogSettleItsClock) {
+  const Trajectory smoothed = ReadTrajectory(SmoothResult() / "trajectory.out");
+  const RawFolder raw([](const DamagedFlight& flight) { Turn(flight, Rfu); });
+  std::string log =
+      "time(millisecond),latitude,longitude,altitude(meters),compass_heading(degrees),"
+      "pitch(degrees),roll(degrees)\n";
+  double before_s = -1.0;
+  for (const NavPoint& point : smoothed.points()) {
+    if (point.t_s - before_s < 0.195) continue;
+    before_s = point.t_s;
+    const Eigen::Matrix3d R = point.q_nb.toRotationMatrix();
+    const auto angle = [](double rad) {
+      return "," + FormatDouble(std::round(10.0 * rad * kDegPerRad) / 10.0);
+    };
+    log += FormatDouble(std::round(1e3 * (point.t_s - 380000.0))) + "," +
+           FormatDouble(point.position.lat_rad * kDegPerRad) + "," +
+           FormatDouble(point.position.lon_rad * kDegPerRad) + "," +
+           FormatDouble(point.position.h_m) + angle(std::atan2(R(1, 0), R(0, 0)) + 1.5) +
+           angle(-std::asin(R(2, 0))) + angle(std::atan2(R(2, 1), R(2, 2))) + "\n";
+  }
+  raw.Write("log.csv", log);
+  fs::remove(fs::path(raw.path()) / "GPS.txt");
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out, AllOf(HasSubstr("the attitudes in log.csv show the rotations of IMU.txt"),
+                              HasSubstr("axes are parallel")));
+  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("time_offset_s: -380000"),
+                                HasSubstr("[[0, 1, 0], [1, 0, 0], [0, 0, -1]]"),
+                                HasSubstr("from the attitudes of the GNSS file")));
+}
+
 // An RTKLIB solution whose header names the wrong time system.
 TEST(CliInit, ASolutionInUtcIsSettled) {
   const DamagedFlight flight;

@@ -191,11 +191,72 @@ TEST(NamedColumns, HemispheresGiveTheSign) {
       "sign and a hemisphere", 1);
 }
 
+TEST(NamedColumns, DatesAndTimesOfDay) {
+  constexpr DateOrder kYear = DateOrder::kYearFirst, kDay = DateOrder::kDayFirst,
+                      kMonth = DateOrder::kMonthFirst;
+  const double day_s = 2280 * 604800.0 + 4 * 86400.0 + 18.0;
+  for (const auto& [text, order] : {std::pair{"2023-09-21", kYear},
+                                    {"2023/9/21", kYear},
+                                    {"20230921", kYear},
+                                    {"230921", kYear},
+                                    {"21.09.2023", kYear},
+                                    {"21.9.2023", kMonth},
+                                    {"21/09/2023", kDay},
+                                    {"21-9-23", kDay},
+                                    {"210923", kDay},
+                                    {"21092023", kDay},
+                                    {"09/21/2023", kMonth},
+                                    {"9/21/23", kMonth}}) {
+    EXPECT_EQ(DateSeconds(text, order), day_s) << text;
+  }
+  for (const auto& [text, order] : {std::pair{"21/09/2023", kYear},
+                                    {"09/21/2023", kDay},
+                                    {"2023-13-01", kYear},
+                                    {"2023-02-30", kYear},
+                                    {"23-09-21", kYear},
+                                    {"2023-09", kYear},
+                                    {"2023:09:21", kYear},
+                                    {"2023-09/21", kYear},
+                                    {"20230921.5", kYear},
+                                    {"", kYear},
+                                    {"1/2/3/4", kDay},
+                                    {"99999999", kYear},
+                                    {"//", kDay}}) {
+    EXPECT_FALSE(DateSeconds(text, order)) << text;
+  }
+  EXPECT_EQ(SecondsIntoDay("09:49:42.5"), 35382.5);
+  EXPECT_EQ(SecondsIntoDay("094942.5"), 35382.5);
+  EXPECT_EQ(SecondsIntoDay("094942"), 35382.0);
+  for (const char* text : {"9:49:42", "24:00:00", "09:60:00", "09:49:61", "09:49", "0949",
+                           "09:4942", "09:49:42Z", "0949425", "09:49:4.5", "", "46.5"}) {
+    EXPECT_FALSE(SecondsIntoDay(text)) << text;
+  }
+}
+
+TEST(NamedColumns, ADateMayStandApartFromTheTimeOfDay) {
+  const double t_s = 2280 * 604800.0 + 381000.0;
+  const TextTable iso =
+      Read("date,time,h\n2023-09-21,09:49:42.0,500\n", {"date_utc", "time_of_day", "h"}, {"h"});
+  EXPECT_EQ(iso.row(0)[0], t_s);
+  const TextTable nmea = Read("094942.00 210923 500\n235959.50 210923 500\n000000.50 220923 500\n",
+                              {"time_of_day", "date_utc_dmy", "h"}, {"h"});
+  EXPECT_EQ(nmea.row(0)[0], t_s);
+  EXPECT_EQ(nmea.row(2)[0] - nmea.row(1)[0], 1.0);
+  const auto read = [](const char* text) {
+    return [text] { Read(text, {"date_utc_mdy", "time_of_day", "h"}, {"h"}); };
+  };
+  const char* good = "09/21/2023,09:49:42,500\n";
+  ExpectInvalid(read((std::string(good) + "21/09/2023,09:49:43,500\n").c_str()),
+                "'21/09/2023' is not a date with the month first", 2);
+  ExpectInvalid(read((std::string(good) + "09/21/2023,9h49,500\n").c_str()),
+                "'9h49' is not a time of day", 2);
+}
+
 TEST(NamedColumns, CalendarTimesAreGpsSeconds) {
   const double week_s = 2280 * 604800.0;
   for (const char* text :
        {"2023-09-21T09:49:42.5Z", "2023-09-21 09:49:42.5", "2023/09/21T09:49:42.5",
-        "2023-09-21T11:49:42.5+02:00", "2023-09-21T04:19:42.5-0530"}) {
+        "2023-09-21T11:49:42.5+02:00", "2023-09-21T04:19:42.5-0530", "21.09.2023 09:49:42.5"}) {
     EXPECT_EQ(CalendarSeconds(text), week_s + 381000.5) << text;
   }
   // Leap seconds are those of the date.

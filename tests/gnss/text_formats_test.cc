@@ -49,6 +49,33 @@ TEST(OdynGnss, FourColumnsHaveNoSigmas) {
   EXPECT_FALSE(epoch.covariance_enu_m2 || epoch.velocity_enu_mps || epoch.velocity_covariance_enu);
 }
 
+// A log of several sensors has rows without a new position.
+TEST(OdynGnss, OnlyChangedPositionsOfALog) {
+  const TempFile file("log.csv",
+                      "t,wx,lat,lon,h\n0.1,1,0,0,0\n0.2,1,,,\n0.3,1,46.5,6.5,500\n"
+                      "0.4,1,46.5,6.5,500\n0.5,1,nan,NaN,nan\n0.6,1,46.5,6.5,500.1\n"
+                      "0.7,1,46.6,6.5,500.1\n");
+  GnssColumns columns;
+  columns.names = {"t", "skip", "lat", "lon", "h"};
+  columns.only_changed = true;
+  const GnssData data = ReadGnss(file.path(), GnssFormat::kOdyn, 0.0, columns);
+  ASSERT_EQ(data.epochs.size(), 3u);
+  EXPECT_EQ(data.epochs[0].t_s, 0.3);
+  EXPECT_EQ(data.epochs[1].t_s, 0.6);
+  EXPECT_EQ(data.epochs[2].line, 8);
+  EXPECT_EQ(data.counts.at("gnss rows that repeat the position before, left out"), 1);
+  columns.only_changed = false;
+  ExpectInvalid([&] { ReadGnss(file.path(), GnssFormat::kOdyn, 0.0, columns); },
+                "row has 4 columns, but `columns` names 5", 3);
+  const TempFile broken("log.csv", "0.1,1,46.5,6.5,nan\n");
+  columns.only_changed = true;
+  ExpectInvalid([&] { ReadGnss(broken.path(), GnssFormat::kOdyn, 0.0, columns); },
+                "'nan' is not a finite number", 1);
+  const TempFile none("log.csv", "0.1,1,0,0,0\n0.2,1,0,0,0\n");
+  ExpectInvalid([&] { ReadGnss(none.path(), GnssFormat::kOdyn, 0.0, columns); },
+                "no row has a position", 0);
+}
+
 TEST(OdynGnss, SevenColumnsHavePositionSigmas) {
   const GnssEpoch epoch = ReadOdyn("10 46.5 6 500 0.01 0.02 0.03\n").epochs[0];
   ExpectDiagonal(epoch.covariance_enu_m2, {0.01, 0.02, 0.03});

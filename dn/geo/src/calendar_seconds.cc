@@ -4,6 +4,7 @@
 #include <dn/geo/week_seconds.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace dn {
@@ -30,26 +31,87 @@ std::optional<double> ZoneSeconds(std::string_view text) {
   return (text[0] == '-' ? -60.0 : 60.0) * (60.0 * *hours + *minutes);
 }
 
-}  // namespace
+/// Year, month and day.
+using Date = std::array<int, 3>;
 
-std::optional<double> CalendarSeconds(std::string_view text) {
-  const auto year = Digits(text, 0, 4), month = Digits(text, 5, 2), day = Digits(text, 8, 2),
-             hour = Digits(text, 11, 2), minute = Digits(text, 14, 2);
-  if (!year || !month || !day || !hour || !minute || text.size() < 19) return std::nullopt;
-  const bool date = (text[4] == '-' || text[4] == '/') && text[7] == text[4];
-  if (!date || (text[10] != 'T' && text[10] != ' ') || text[13] != ':' || text[16] != ':') {
+/// Returns the number of a text of one or two digits, or of four.
+std::optional<int> DatePart(std::string_view text) {
+  return text.empty() || text.size() == 3 || text.size() > 4 ? std::nullopt
+                                                             : Digits(text, 0, text.size());
+}
+
+/// Splits a date at its separators, or after two digits for each of the last or first numbers.
+std::optional<std::array<std::string_view, 3>> DateParts(std::string_view text, DateOrder order) {
+  const std::size_t first = text.find_first_not_of("0123456789");
+  if (first == text.npos) {
+    if (text.size() != 6 && text.size() != 8) return std::nullopt;
+    const std::size_t year = text.size() - 4, a = order == DateOrder::kYearFirst ? year : 2;
+    return std::array{text.substr(0, a), text.substr(a, 2), text.substr(a + 2)};
+  }
+  const std::size_t second = text.find(text[first], first + 1);
+  if (std::string_view("-/.").find(text[first]) == std::string_view::npos || second == text.npos) {
     return std::nullopt;
   }
-  const std::size_t end = std::min(text.find_first_not_of("0123456789.", 17), text.size());
-  const auto second = FieldNumber(text.substr(17, end - 17));
-  const auto zone_s = ZoneSeconds(text.substr(end));
-  if (!second || !zone_s) return std::nullopt;
+  return std::array{text.substr(0, first), text.substr(first + 1, second - first - 1),
+                    text.substr(second + 1)};
+}
+
+std::optional<Date> FindDate(std::string_view text, DateOrder order) {
+  const auto parts = DateParts(text, order);
+  if (!parts) return std::nullopt;
+  const auto a = DatePart((*parts)[0]), b = DatePart((*parts)[1]), c = DatePart((*parts)[2]);
+  if (!a || !b || !c || (*parts)[1].size() > 2) return std::nullopt;
+  const bool dots = text.find('.') != text.npos && (*parts)[2].size() == 4;
+  if (dots) order = DateOrder::kDayFirst;
+  Date date{*c, *b, *a};
+  if (order == DateOrder::kMonthFirst) date = {*c, *a, *b};
+  if (order == DateOrder::kYearFirst) date = {*a, *b, *c};
+  const bool has_separators = text.find_first_not_of("0123456789") != text.npos;
+  const std::size_t year_digits = (*parts)[order == DateOrder::kYearFirst ? 0 : 2].size();
+  if (order == DateOrder::kYearFirst && has_separators && year_digits != 4) return std::nullopt;
+  if (year_digits < 4) date[0] += 2000;
+  return date;
+}
+
+}  // namespace
+
+std::optional<double> DateSeconds(std::string_view text, DateOrder order) {
+  const std::optional<Date> date = FindDate(text, order);
+  if (!date) return std::nullopt;
   try {
-    const GpsTime utc = CalendarToGpsTime(*year, *month, *day, *hour, *minute, *second);
-    return kWeekS * static_cast<double>(utc.week) + utc.tow_s - *zone_s + GpsMinusUtcS(utc);
+    const GpsTime utc = CalendarToGpsTime((*date)[0], (*date)[1], (*date)[2], 0, 0, 0.0);
+    return kWeekS * static_cast<double>(utc.week) + utc.tow_s + GpsMinusUtcS(utc);
   } catch (const InvalidInput&) {  // there is no such date
     return std::nullopt;
   }
+}
+
+std::optional<double> SecondsIntoDay(std::string_view text) {
+  const std::size_t colon = text.size() > 2 && text[2] == ':' ? 1 : 0;
+  const auto hours = Digits(text, 0, 2), minutes = Digits(text, 2 + colon, 2);
+  const std::size_t at = 4 + 2 * colon;
+  if (!hours || !minutes || !Digits(text, at, 2) || (colon == 1 && text[5] != ':')) {
+    return std::nullopt;
+  }
+  const std::string_view rest = text.substr(at);
+  const bool is_number = rest.find_first_not_of("0123456789.") == rest.npos;
+  const auto seconds =
+      is_number && (rest.size() == 2 || rest[2] == '.') ? FieldNumber(rest) : std::nullopt;
+  if (!seconds || *hours > 23 || *minutes > 59 || *seconds >= 61.0) return std::nullopt;
+  return 60.0 * (60.0 * *hours + *minutes) + *seconds;
+}
+
+std::optional<double> CalendarSeconds(std::string_view text) {
+  const std::size_t between = text.find_first_of("T ");
+  if (between == text.npos) return std::nullopt;
+  const std::string_view time = text.substr(between + 1);
+  const std::size_t end = std::min(time.find_first_not_of("0123456789.:"), time.size());
+  const auto day_s = DateSeconds(text.substr(0, between), DateOrder::kYearFirst);
+  const bool colons = time.size() > 2 && time[2] == ':';
+  const auto time_s = colons ? SecondsIntoDay(time.substr(0, end)) : std::nullopt;
+  const auto zone_s = ZoneSeconds(time.substr(end));
+  if (!day_s || !time_s || !zone_s) return std::nullopt;
+  return *day_s + *time_s - *zone_s;
 }
 
 }  // namespace dn

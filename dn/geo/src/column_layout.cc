@@ -12,14 +12,18 @@ namespace {
 
 constexpr double kPerMinute = 1.0 / 60.0, kPerSecond = 1.0 / 3600.0;
 
-constexpr std::array<Addend, 8> kAddends{{{"undulation", "h", 1.0, false},
-                                          {"nsec", "t", 1e-9, false},
-                                          {"lat_min", "lat", kPerMinute, true},
-                                          {"lat_sec", "lat", kPerSecond, true},
-                                          {"lon_min", "lon", kPerMinute, true},
-                                          {"lon_sec", "lon", kPerSecond, true},
-                                          {"lat_ns", "lat", 1.0, false, "NS"},
-                                          {"lon_ew", "lon", 1.0, false, "EW"}}};
+constexpr std::array<Addend, 11> kAddends{
+    {{"undulation", "h", 1.0, false},
+     {"nsec", "t", 1e-9, false},
+     {"lat_min", "lat", kPerMinute, true},
+     {"lat_sec", "lat", kPerSecond, true},
+     {"lon_min", "lon", kPerMinute, true},
+     {"lon_sec", "lon", kPerSecond, true},
+     {"lat_ns", "lat", 1.0, false, "NS"},
+     {"lon_ew", "lon", 1.0, false, "EW"},
+     {"date_utc", "t", 1.0, false, "", DateOrder::kYearFirst},
+     {"date_utc_dmy", "t", 1.0, false, "", DateOrder::kDayFirst},
+     {"date_utc_mdy", "t", 1.0, false, "", DateOrder::kMonthFirst}}};
 
 /// Units at the end of a name: those of lengths, and angles as integers.
 struct ColumnUnit {
@@ -56,33 +60,35 @@ double TakeUnit(std::string_view* name) {
 const std::map<std::string, ColumnQuantity>& OtherNames() {
   constexpr ColumnForm kDdmm = ColumnForm::kDegreesMinutes, kVar = ColumnForm::kVariance,
                        kUtc = ColumnForm::kCalendarTime;
-  static const std::map<std::string, ColumnQuantity> names{{"t_min", {"t", 60.0}},
-                                                           {"t_ms", {"t", 1e-3}},
-                                                           {"t_100us", {"t", 1e-4}},
-                                                           {"t_us", {"t", 1e-6}},
-                                                           {"t_ns", {"t", 1e-9}},
-                                                           {"east", {"lat"}},
-                                                           {"north", {"lon"}},
-                                                           {"up", {"h"}},
-                                                           {"x", {"lat"}},
-                                                           {"y", {"lon"}},
-                                                           {"z", {"h"}},
-                                                           {"yaw", {"heading"}},
-                                                           {"vd", {"vu", -1.0}},
-                                                           {"sigma_d", {"sigma_u"}},
-                                                           {"sigma_vd", {"sigma_vu"}},
-                                                           {"lat_rad", {"lat", kDegPerRad}},
-                                                           {"lon_rad", {"lon", kDegPerRad}},
-                                                           {"roll_rad", {"roll", kDegPerRad}},
-                                                           {"pitch_rad", {"pitch", kDegPerRad}},
-                                                           {"heading_rad", {"heading", kDegPerRad}},
-                                                           {"yaw_rad", {"heading", kDegPerRad}},
-                                                           {"lat_ddmm", {"lat", 1.0, kDdmm}},
-                                                           {"lon_ddmm", {"lon", 1.0, kDdmm}},
-                                                           {"var_e", {"sigma_e", 1.0, kVar}},
-                                                           {"var_n", {"sigma_n", 1.0, kVar}},
-                                                           {"var_u", {"sigma_u", 1.0, kVar}},
-                                                           {"t_utc", {"t", 1.0, kUtc}}};
+  static const std::map<std::string, ColumnQuantity> names{
+      {"t_min", {"t", 60.0}},
+      {"t_ms", {"t", 1e-3}},
+      {"t_100us", {"t", 1e-4}},
+      {"t_us", {"t", 1e-6}},
+      {"t_ns", {"t", 1e-9}},
+      {"east", {"lat"}},
+      {"north", {"lon"}},
+      {"up", {"h"}},
+      {"x", {"lat"}},
+      {"y", {"lon"}},
+      {"z", {"h"}},
+      {"yaw", {"heading"}},
+      {"vd", {"vu", -1.0}},
+      {"sigma_d", {"sigma_u"}},
+      {"sigma_vd", {"sigma_vu"}},
+      {"lat_rad", {"lat", kDegPerRad}},
+      {"lon_rad", {"lon", kDegPerRad}},
+      {"roll_rad", {"roll", kDegPerRad}},
+      {"pitch_rad", {"pitch", kDegPerRad}},
+      {"heading_rad", {"heading", kDegPerRad}},
+      {"yaw_rad", {"heading", kDegPerRad}},
+      {"lat_ddmm", {"lat", 1.0, kDdmm}},
+      {"lon_ddmm", {"lon", 1.0, kDdmm}},
+      {"var_e", {"sigma_e", 1.0, kVar}},
+      {"var_n", {"sigma_n", 1.0, kVar}},
+      {"var_u", {"sigma_u", 1.0, kVar}},
+      {"t_utc", {"t", 1.0, kUtc}},
+      {"time_of_day", {"t", 1.0, ColumnForm::kTimeOfDay}}};
   return names;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/geo/gps_time.h>
 #include <dn/geo/named_columns.h>
 
 #include <cstddef>
@@ -11,8 +12,8 @@
 namespace dn::geo_internal {
 
 /// How the text of a column gives a number: as a number, as a variance whose root is used, as
-/// degrees and minutes (dddmm.mmmm), or as a calendar time.
-enum class ColumnForm { kNumber, kVariance, kDegreesMinutes, kCalendarTime };
+/// degrees and minutes (dddmm.mmmm), as a calendar time, or as a time of day.
+enum class ColumnForm { kNumber, kVariance, kDegreesMinutes, kCalendarTime, kTimeOfDay };
 
 /// A quantity of a column and the factor that converts the number to it.
 struct ColumnQuantity {
@@ -32,6 +33,8 @@ struct Addend {
   bool has_sign_of_column;  ///< minutes and seconds have the sign of the degrees
   /// Letters of the two hemispheres; the text of the column then gives the sign. Empty: a number.
   std::string_view hemispheres = {};
+  /// The text of the column is a date, with the day and the month in this order.
+  std::optional<DateOrder> date = {};
 };
 
 /// Returns the addend with this name; nullptr if there is none.

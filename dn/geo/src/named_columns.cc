@@ -3,6 +3,7 @@
 #include <dn/geo/text_fields.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <optional>
@@ -30,10 +31,32 @@ double DegreesFromMinutes(double value) {
   return std::copysign(degrees + (std::abs(value) - 100.0 * degrees) / 60.0, value);
 }
 
+/// Returns whether a field has no value: it is empty, or a word that says so.
+bool IsEmptyField(std::string_view field) {
+  std::string lower(field);
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<std::string_view, 7> kWords{"", "nan", "null", "none", "na", "n/a", "-"};
+  return std::ranges::find(kWords, lower) != kWords.end();
+}
+
+const char* LeadingPart(DateOrder order) {
+  switch (order) {
+    case DateOrder::kYearFirst:
+      return "year";
+    case DateOrder::kDayFirst:
+      return "day";
+    case DateOrder::kMonthFirst:
+      break;
+  }
+  return "month";
+}
+
 /// Appends the used values of lines to a table.
 class NamedRows {
  public:
-  NamedRows(const ColumnLayout& layout, TextTable* table) : layout_(layout), table_(*table) {}
+  NamedRows(const ColumnLayout& layout, EmptyRows empty, TextTable* table)
+      : layout_(layout), empty_(empty), table_(*table) {}
 
   void Take(std::string_view line, long number) {
     const std::size_t begin = line.find_first_not_of(" \t\r");
@@ -44,6 +67,7 @@ class NamedRows {
     number_ = number;
     fields_ = layout_.has_messages() ? SplitMessage(line) : SplitFields(line);
     if (!layout_.Accepts(fields_)) return;
+    if (empty_ == EmptyRows::kLeaveOut && IsEmptyRow()) return;
     const std::size_t time = layout_.places().front();
     const bool has_time = time < fields_.size() && HasTime(fields_[time]);
     const bool short_row = fields_.size() < layout_.least_fields();
@@ -58,9 +82,19 @@ class NamedRows {
   }
 
  private:
+  /// Returns whether all quantities after the time are missing.
+  bool IsEmptyRow() const {
+    const std::vector<std::size_t>& places = layout_.places();
+    return std::all_of(places.begin() + 1, places.end(), [&](std::size_t place) {
+      return place >= fields_.size() || IsEmptyField(fields_[place]);
+    });
+  }
+
   bool HasTime(std::string_view field) const {
-    const bool calendar = layout_.form(layout_.places().front()) == ColumnForm::kCalendarTime;
-    return calendar ? CalendarSeconds(field).has_value() : FieldNumber(field).has_value();
+    const ColumnForm form = layout_.form(layout_.places().front());
+    if (form == ColumnForm::kCalendarTime) return CalendarSeconds(field).has_value();
+    if (form == ColumnForm::kTimeOfDay) return SecondsIntoDay(field).has_value();
+    return FieldNumber(field).has_value();
   }
 
   void AppendRow() {
@@ -72,7 +106,8 @@ class NamedRows {
     double* row = table_.values.data() + begin;
     for (const ColumnLayout::AddedPlace& each : layout_.added()) {
       if (!each.addend->hemispheres.empty()) continue;
-      row[each.column] += Sign(each) * each.addend->factor * Value(each.place);
+      row[each.column] +=
+          each.addend->date ? Day(each) : Sign(each) * each.addend->factor * Value(each.place);
     }
     for (const ColumnLayout::AddedPlace& each : layout_.added()) {
       if (!each.addend->hemispheres.empty()) TakeHemisphere(each, row + each.column);
@@ -93,11 +128,25 @@ class NamedRows {
       throw InvalidInput("'" + std::string(field) + "' is not a calendar time yyyy-mm-ddThh:mm:ss",
                          Where(place));
     }
+    if (form == ColumnForm::kTimeOfDay) {
+      if (const std::optional<double> seconds = SecondsIntoDay(field)) return *seconds;
+      throw InvalidInput("'" + std::string(field) + "' is not a time of day hh:mm:ss",
+                         Where(place));
+    }
     const double value = ParseNumber(field, Where(place));
     if (form == ColumnForm::kDegreesMinutes) return DegreesFromMinutes(value);
     if (form != ColumnForm::kVariance) return value;
     if (value < 0.0) throw InvalidInput("the variance is negative", Where(place));
     return std::sqrt(value);
+  }
+
+  /// Returns the beginning of a day, GPS seconds since 1980.
+  double Day(const ColumnLayout::AddedPlace& added) const {
+    const std::string_view field = fields_[added.place];
+    if (const std::optional<double> day_s = DateSeconds(field, *added.addend->date)) return *day_s;
+    throw InvalidInput("'" + std::string(field) + "' is not a date with the " +
+                           LeadingPart(*added.addend->date) + " first",
+                       Where(added.place));
   }
 
   /// Gives an angle the sign of its hemisphere.
@@ -130,6 +179,7 @@ class NamedRows {
   }
 
   const ColumnLayout& layout_;
+  EmptyRows empty_;
   TextTable& table_;
   std::string_view line_;
   long number_ = 0;
@@ -165,10 +215,10 @@ void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& 
     if (column == "skip" || geo_internal::IsCondition(column)) continue;
     for (const std::string& quantity : geo_internal::GivenQuantities(column)) {
       if (!IsKnown(quantity, quantities)) {
-        throw InvalidInput(
-            "'" + name +
-            "' is not a column; the columns are t (t_min, t_ms, t_100us, t_us, t_ns), week, " +
-            Listed(quantities) + ", skip");
+        throw InvalidInput("'" + name +
+                           "' is not a column; the columns are t (t_min, t_ms, t_100us, t_us, "
+                           "t_ns, t_utc), week, " +
+                           Listed(quantities) + ", skip");
       }
       if (!seen.insert(quantity).second) throw InvalidInput("'" + name + "' is named twice");
     }
@@ -177,12 +227,13 @@ void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& 
 }
 
 TextTable ReadNamedColumns(const std::filesystem::path& file, const ColumnNames& names,
-                           const std::vector<std::string>& quantities, std::size_t max_rows) {
+                           const std::vector<std::string>& quantities, std::size_t max_rows,
+                           EmptyRows empty) {
   const ColumnLayout layout(names, quantities);
   TextTable table;
   table.file = file;
   table.columns = 1 + quantities.size();
-  NamedRows rows(layout, &table);
+  NamedRows rows(layout, empty, &table);
   LineReader lines(file);
   for (std::string_view line; table.rows() < max_rows && lines.Next(&line);) {
     rows.Take(line, lines.line());

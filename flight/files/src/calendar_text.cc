@@ -51,11 +51,19 @@ bool IsCalendarText(std::string_view text) {
 std::string CalendarAdvice(std::string_view column, std::string_view text) {
   return "the times are calendar times in column " + std::string(column) + " ('" +
          std::string(text) +
-         "'): write GPS seconds, or one column with UTC as 2023-09-21T09:49:42.00Z";
+         "'): write GPS seconds, UTC as 2023-09-21T09:49:42.00Z, or a date and the time of day in "
+         "two columns";
+}
+
+std::string DateNote(const TextSample& sample) {
+  if (!sample.date || !sample.date->is_guess) return {};
+  return "the date '" + sample.first_row[sample.date->at] +
+         "' is read with the day first; if the month is first, name its column date_utc_mdy";
 }
 
 std::string TimeReason(const TextSample& sample, const std::string& steps) {
-  const std::size_t columns = std::min(sample.table.columns, sample.first_row.size());
+  const std::size_t columns =
+      sample.date ? 0 : std::min(sample.table.columns, sample.first_row.size());
   for (std::size_t at = 0; at < columns; ++at) {
     if (IsText(sample, at) && IsCalendarText(sample.first_row[at])) {
       return CalendarAdvice(NameOrNumber(sample, at), sample.first_row[at]);

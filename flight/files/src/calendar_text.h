@@ -12,8 +12,11 @@ namespace dn::files_internal {
 /// Returns whether a text is a date or a time of day, such as "21/09/2023" or "09:49:42.0".
 bool IsCalendarText(std::string_view text);
 
-/// Returns what to do with a calendar time that is not one column of ISO 8601.
+/// Returns what to do with a calendar time that has another form.
 std::string CalendarAdvice(std::string_view column, std::string_view text);
+
+/// Says which order of day and month is assumed; empty if the date leaves no choice.
+std::string DateNote(const TextSample& sample);
 
 /// Says why a text has no time that increases in the stated steps.
 std::string TimeReason(const TextSample& sample, const std::string& steps);

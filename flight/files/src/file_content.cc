@@ -13,6 +13,7 @@
 #include <numbers>
 #include <system_error>
 
+#include "calendar_text.h"
 #include "content_fit.h"
 #include "gnss_content.h"
 #include "imu_choices.h"
@@ -135,12 +136,26 @@ TextSample SpacedSample(const fs::path& file) {
   return sample;
 }
 
+/// Returns the GNSS positions in a file of inertial data, if there are any.
+std::optional<FileContent> GnssBesideImu(const FileContent& imu) {
+  if (imu.kind != FileKind::kImu || IsBinaryFile(imu.file)) return std::nullopt;
+  const TextSample sample = files_internal::ReadTextSample(imu.file, kRowsLookedAt);
+  if (!files_internal::NamesInertialData(files_internal::FindMeanings(sample))) return std::nullopt;
+  const auto time = files_internal::FindImuTime(sample);
+  std::optional<FileContent> gnss =
+      time ? files_internal::FindGnssBesideImu(sample, *time) : std::nullopt;
+  if (gnss) gnss->file = imu.file;
+  return gnss;
+}
+
 void DescribeText(FileContent* content) {
   const TextSample sample = files_internal::ReadTextSample(content->file, kRowsLookedAt);
   const auto take = [&](const ContentFit& fit) {
     const fs::path file = content->file;
     *content = fit.content;
     content->file = file;
+    const std::string note = files_internal::DateNote(sample);
+    content->why += (content->why.empty() || note.empty() ? "" : "; ") + note;
   };
   const ContentFit trajectory = files_internal::FitTrajectory(sample);
   const ContentFit gnss = files_internal::FitGnss(sample);
@@ -256,6 +271,7 @@ std::vector<FileContent> InspectParts(const fs::path& file) {
     std::vector<FileContent> messages = InspectMessages(file);
     if (!messages.empty()) return messages;
     DescribeFile(&content);
+    if (auto gnss = GnssBesideImu(content)) return {content, *gnss};
   } catch (const std::exception& error) {
     content = FileContent();
     content.file = file;

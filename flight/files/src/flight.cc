@@ -36,7 +36,7 @@ FileLocation MaxGapLocation(const fs::path& file) {
 GnssData ReadGnssFile(const FlightConfig& config) {
   const GnssConfig& gnss = *config.gnss;
   const GnssColumns columns{TextCoordinates(gnss.crs, config.origin, "gnss.crs"), gnss.grid_north,
-                            gnss.columns};
+                            gnss.columns, gnss.only_changed};
   return ReadGnss(config.folder / gnss.file, gnss.format, gnss.time_offset_s, columns);
 }
 

@@ -137,6 +137,7 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Key(1, "file", QuoteYaml(gnss.file));
   out.Key(1, "format", FindWord(gnss.format, files_internal::GnssFormatWords()));
   WriteColumns(gnss.columns, out);
+  if (gnss.only_changed) out.Key(1, "rows", "changed");
   out.Key(1, "time_offset_s", Number(gnss.time_offset_s));
   out.Key(1, "crs", gnss.crs);
   out.Key(1, "north", FindWord(gnss.grid_north, files_internal::NorthWords()));

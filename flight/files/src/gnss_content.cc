@@ -19,6 +19,7 @@ namespace {
 
 // GNSS receivers have at most this rate, inertial sensors a higher one.
 constexpr double kMostGnssHz = 25.0;
+constexpr std::size_t kFewestChanged = 5;
 constexpr StepRange kGnssSteps{1.0 / kMostGnssHz - 1e-3, 120.0, 0.5};
 
 /// Returns whether the rows are those of a documented format, without names of columns.
@@ -88,6 +89,22 @@ void DescribeGnss(const TextSample& sample, const TimeColumn& time, const GnssCh
   std::vector<NamedColumn> all = choice.Quantities();
   all.insert(all.end(), choice.added.begin(), choice.added.end());
   content->columns = FormatNames(time, all);
+}
+
+/// Returns the rows whose position differs from that of the row before and is not 0.
+TextTable ChangedPositions(const TextTable& table) {
+  TextTable changed;
+  changed.columns = table.columns;
+  const double* before = nullptr;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double* row = table.row(i);
+    const bool none = row[1] == 0.0 && row[2] == 0.0;
+    if (none || (before != nullptr && std::equal(row + 1, row + 4, before + 1))) continue;
+    before = row;
+    changed.values.insert(changed.values.end(), row, row + table.columns);
+    changed.lines.push_back(table.lines[i]);
+  }
+  return changed;
 }
 
 bool IsEcef(const TextTable& table) { return FindCoordinateSystem(table) == "ecef"; }
@@ -212,6 +229,22 @@ ContentFit FitGnss(const TextSample& sample) {
     return none;
   }
   return FitGnssChoice(sample, *time, std::move(found.choice));
+}
+
+std::optional<FileContent> FindGnssBesideImu(const TextSample& sample, const TimeColumn& time) {
+  FoundGnss found = FindGnssColumns(sample, WithSpelledNames(sample), time);
+  if (!found.failed.empty() || !found.choice.by_name || !found.choice.crs.empty()) {
+    return std::nullopt;
+  }
+  const TextTable table = ChangedPositions(GnssRows(sample, time, found.choice.Quantities()));
+  if (table.rows() < kFewestChanged || !AreCoordinates(table)) return std::nullopt;
+  FileContent content;
+  content.kind = FileKind::kGnss;
+  content.why = found.choice.note;
+  content.time_offset_s = FindTimeOffset(table.row(0)[0]);
+  DescribeGnss(sample, time, found.choice, table, &content);
+  content.only_changed = true;
+  return content;
 }
 
 bool NamesPosition(const TextSample& sample) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "content_fit.h"
+#include "picked_columns.h"
 #include "text_sample.h"
 
 namespace dn::files_internal {
@@ -11,6 +13,10 @@ namespace dn::files_internal {
 /// a header they follow the time, and the number of columns says whether sigmas and velocities
 /// follow.
 ContentFit FitGnss(const TextSample& sample);
+
+/// Finds the positions in a file of inertial data, whose time is given: columns with names. They
+/// may be empty, 0, or repeated in rows without a new position.
+std::optional<FileContent> FindGnssBesideImu(const TextSample& sample, const TimeColumn& time);
 
 /// Returns whether the header names latitude and longitude, but no rates and forces.
 bool NamesPosition(const TextSample& sample);

@@ -55,9 +55,9 @@ double ReadTimeOffset(const YamlValue& section) {
 }
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"file", "format", "columns", "crs", "north", "time_offset_s", "lever_arm_m",
-                     "sigma_enu_m", "sigma_scale", "velocity_sigma_scale", "use_velocity",
-                     "processes", "robust"});
+  section.ExpectMap({"file", "format", "columns", "rows", "crs", "north", "time_offset_s",
+                     "lever_arm_m", "sigma_enu_m", "sigma_scale", "velocity_sigma_scale",
+                     "use_velocity", "processes", "robust"});
   GnssConfig gnss;
   if (section["file"]) gnss.file = section["file"].Text();
   if (section["format"]) gnss.format = section["format"].Choice(GnssFormatWords());
@@ -70,6 +70,11 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   gnss.columns = ReadColumnNames(section, GnssQuantities());
   if (!gnss.columns.empty() && gnss.format != GnssFormat::kOdyn) {
     section["columns"].Fail("only files of format odyn have named columns; remove columns");
+  }
+  if (section["rows"]) {
+    static const Words<bool> words{{"all", false}, {"changed", true}};
+    gnss.only_changed = section["rows"].Choice(words);
+    if (gnss.only_changed && gnss.columns.empty()) section["rows"].Fail("changed needs columns");
   }
   gnss.time_offset_s = ReadTimeOffset(section);
   if (section["lever_arm_m"]) {

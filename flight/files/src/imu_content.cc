@@ -246,18 +246,6 @@ ContentFit BestImuChoice(const TextSample& sample, const TimeColumn& time,
   return best;
 }
 
-/// Adds to the reason what else of the file needs attention.
-void AddNotes(const TextSample& sample, const TimeColumn& time, FileContent* content) {
-  const auto add = [&](const std::string& note) {
-    content->why += (content->why.empty() ? "" : "; ") + note;
-  };
-  const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
-  if (time.name == "t_100us") add("SampleTimeFine counts 0.1 ms");
-  if (FindColumn(meanings, "lat") && FindColumn(meanings, "lon")) {
-    add("its latitude and longitude are not used; for gnss.file, export them to another file");
-  }
-}
-
 bool NamesStrapdownIncrements(const TextSample& sample) {
   return std::any_of(sample.names.begin(), sample.names.end(),
                      [](const std::string& name) { return LowerCase(name).starts_with("oriinc"); });
@@ -280,8 +268,12 @@ std::string NoTimeReason(const TextSample& sample) {
 
 }  // namespace
 
+std::optional<TimeColumn> FindImuTime(const TextSample& sample) {
+  return FindTime(sample, kImuSteps);
+}
+
 ContentFit FitImu(const TextSample& sample) {
-  const std::optional<TimeColumn> time = FindTime(sample, kImuSteps);
+  const std::optional<TimeColumn> time = FindImuTime(sample);
   ContentFit none;
   none.content.kind = FileKind::kImu;
   none.failed = NoTimeReason(sample);
@@ -294,7 +286,10 @@ ContentFit FitImu(const TextSample& sample) {
   if (!fit.fits() && NamesStrapdownIncrements(sample)) {
     fit.failed = "increments of the orientation (OriInc) are not supported: export Acc and Gyr";
   }
-  if (fit.fits()) AddNotes(sample, *time, &fit.content);
+  if (fit.fits() && time->name == "t_100us") {
+    fit.content.why += (fit.content.why.empty() ? "" : "; ");
+    fit.content.why += "SampleTimeFine counts 0.1 ms";
+  }
   return fit;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "content_fit.h"
+#include "picked_columns.h"
 #include "text_sample.h"
 
 namespace dn::files_internal {
@@ -11,5 +14,8 @@ namespace dn::files_internal {
 /// that of gravity alone. Rates differ from it in size, and their length is not constant either,
 /// unlike that of a magnetic field. Rates are not angles, whose rates are in other columns.
 ContentFit FitImu(const TextSample& sample);
+
+/// Returns the time of inertial data; nullopt if no column has plausible steps.
+std::optional<TimeColumn> FindImuTime(const TextSample& sample);
 
 }  // namespace dn::files_internal

@@ -1,4 +1,5 @@
 #include <dn/files/pair_clock.h>
+#include <dn/geo/gps_time.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
 #include <dn/median.h>
@@ -165,7 +166,7 @@ std::optional<PairComparison> Disagreeing(const Flight& flight, double scale) {
 
 std::string LidarClockHint(double offset_s, double declared_s, double sigma_s) {
   // Leap seconds between GPS time and UTC since 2006.
-  constexpr double kLeastLeapS = 14.0, kMostLeapS = 18.0, kWholeS = 0.5, kDayS = 86400.0;
+  constexpr double kLeastLeapS = 14.0, kMostLeapS = 18.0, kWholeS = 0.5;
   const double whole_s = std::round(offset_s), rounded_s = std::round(10.0 * offset_s) / 10.0;
   const bool whole = std::abs(offset_s) > kMostLeapS && std::abs(offset_s - whole_s) < sigma_s;
   const bool leap = whole_s <= -kLeastLeapS && whole_s >= -kMostLeapS &&

@@ -15,18 +15,21 @@
 namespace dn::files_internal {
 namespace {
 
+constexpr const char* kTimeOfDay = "time_of_day";
+
 struct TimeUnit {
   const char* name;
   double seconds;
 };
 // The units in front are those that the steps may decide on.
-constexpr std::array<TimeUnit, 7> kTimeUnits{{{"t", 1.0},
+constexpr std::array<TimeUnit, 8> kTimeUnits{{{"t", 1.0},
                                               {"t_ms", 1e-3},
                                               {"t_us", 1e-6},
                                               {"t_ns", 1e-9},
                                               {"t_min", 60.0},
                                               {"t_100us", 1e-4},
-                                              {"t_utc", 1.0}}};
+                                              {"t_utc", 1.0},
+                                              {kTimeOfDay, 1.0}}};
 constexpr std::ptrdiff_t kUnitsBySteps = 4;
 
 constexpr double kNanosecond = 1e-9;
@@ -188,6 +191,10 @@ std::vector<NamedColumn> FindMinutes(const std::vector<ColumnMeaning>& meanings)
 }
 
 std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps) {
+  if (sample.date) {
+    TimeColumn time{.at = sample.date->time, .name = kTimeOfDay, .date = sample.date};
+    return FindUnit(sample, steps, true, &time) ? std::optional(time) : std::nullopt;
+  }
   const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   const auto week = FindColumn(meanings, "week");
   for (TimeColumn& time : NamedTimes(sample, meanings)) {
@@ -240,6 +247,7 @@ ColumnNames FormatNames(const TimeColumn& time, const std::vector<NamedColumn>& 
   all.push_back({time.name, time.at});
   if (time.week) all.push_back({"week", *time.week});
   if (time.nanoseconds) all.push_back({"nsec", *time.nanoseconds});
+  if (time.date) all.push_back({time.date->Name(), time.date->at});
   std::size_t last = 0;
   for (const NamedColumn& column : all) last = std::max(last, column.at);
   ColumnNames names(last + 1, "skip");

@@ -23,8 +23,9 @@ struct StepRange {
 struct TimeColumn {
   std::size_t at = 0;
   std::optional<std::size_t> week = {};
-  std::string name = "t";  ///< t, t_min, t_ms, t_100us, t_us, t_ns or t_utc
+  std::string name = "t";  ///< t, t_min, t_ms, t_100us, t_us, t_ns, t_utc or time_of_day
   std::optional<std::size_t> nanoseconds = {};
+  std::optional<DateColumn> date = {};  ///< for time_of_day
 };
 
 /// A column with the name of its quantity.
@@ -34,9 +35,9 @@ struct NamedColumn {
 };
 
 /// Finds the time by the names of the columns (stamps of sensors before GPS times, and these before
-/// others). Without names it takes the first column, or the one next to a column of GPS weeks. The
-/// unit follows from the name, else from the size of the steps. Returns nullopt if the time does
-/// not increase, or has no plausible step in any unit.
+/// others), or a date with its time of day. Without names it takes the first column, or the one
+/// next to a column of GPS weeks. The unit follows from the name, else from the size of the steps.
+/// Returns nullopt if the time does not increase, or has no plausible step in any unit.
 std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps);
 
 /// Returns whether a column is a GPS week: one whole number, or two adjacent ones.

@@ -32,22 +32,43 @@ bool BeginsWithNumber(const Fields& fields) {
   return fields.size() > 1 && (FieldValue(fields[0]) || FieldValue(fields[1]));
 }
 
+/// Returns whether a date and the time of day are the first two fields.
+bool BeginsWithDate(const Fields& fields) {
+  const std::optional<DateColumn> date = FindDateColumn(fields);
+  return date && date->at < 2 && date->time < 2;
+}
+
 bool IsRow(const Fields& fields) {
   if (fields.size() < kLeastColumns) return false;
   const auto numbers = std::count_if(fields.begin(), fields.end(), [](std::string_view field) {
     return FieldValue(field).has_value();
   });
-  return numbers > 1 && BeginsWithNumber(fields);
+  // Messages of a log may begin with a date, too.
+  return (numbers > 1 && BeginsWithNumber(fields)) || (numbers > 2 && BeginsWithDate(fields));
 }
 
 std::vector<std::string> Names(const Fields& fields) { return {fields.begin(), fields.end()}; }
 
-void AppendFields(const Fields& fields, long line, TextTable* table) {
-  for (std::size_t i = 0; i < table->columns; ++i) {
-    const auto value = i < fields.size() ? FieldValue(fields[i]) : std::nullopt;
-    table->values.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
+void AppendFields(const Fields& fields, long line, TextSample* sample) {
+  TextTable& table = sample->table;
+  for (std::size_t i = 0; i < table.columns; ++i) {
+    auto value = i < fields.size() ? FieldValue(fields[i]) : std::nullopt;
+    if (sample->date && i == sample->date->time) value = sample->date->Seconds(fields);
+    table.values.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
   }
-  table->lines.push_back(line);
+  table.lines.push_back(line);
+}
+
+/// Replaces the time of day by GPS seconds if dates and times are numbers.
+void TakePlainDate(TextSample* sample) {
+  if (sample->date) return;
+  sample->date = FindPlainDate(sample->names, sample->table);
+  if (!sample->date) return;
+  TextTable& table = sample->table;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double* row = table.values.data() + i * table.columns;
+    row[sample->date->time] = *PlainSeconds(*sample->date, row);
+  }
 }
 
 /// Returns whether the last fields of a line with tabs are empty.
@@ -179,10 +200,11 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
     if (table.columns == 0) {
       table.columns = fields.size();
       sample.first_row = Names(fields);
+      sample.date = FindDateColumn(fields);
       sample.needs_names = sample.needs_names || line.find(';') != std::string_view::npos;
     }
     if (fields.size() + 1 >= table.columns || EndsWithTab(line)) {
-      AppendFields(fields, lines.line(), &table);
+      AppendFields(fields, lines.line(), &sample);
     }
   }
   if (table.rows() == 0) {
@@ -194,6 +216,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
     throw InvalidInput("no line has numbers in its first two columns", {file.string()});
   }
   SetNames(headers, &sample);
+  TakePlainDate(&sample);
   for (const char* angle : {"lat", "lon"}) AddMinutes(angle, &sample);
   return sample;
 }

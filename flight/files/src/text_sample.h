@@ -3,8 +3,11 @@
 #include <dn/geo/text_table.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "date_column.h"
 
 namespace dn::files_internal {
 
@@ -14,6 +17,9 @@ struct TextSample {
   std::vector<std::string> names;      ///< of the columns, from a header; empty if there is none
   std::vector<std::string> first_row;  ///< its fields
   TextTable table;                     ///< calendar times of ISO 8601 are GPS seconds since 1980
+  /// A date apart from the time of day. `table` then has GPS seconds since 1980 in place of the
+  /// time.
+  std::optional<DateColumn> date = {};
   /// True if the file has header lines or other separators, so that ReadTextTable does not read it.
   bool needs_names = false;
 };

@@ -159,7 +159,7 @@ std::optional<AttitudeMistake> Explain(const std::vector<TurnStep>& turns, bool 
 }
 
 /// Returns the rates between the attitudes of a trajectory, without forces.
-ImuData RatesOfAttitudes(const std::vector<NavPoint>& points) {
+ImuData AttitudeRates(const std::vector<NavPoint>& points) {
   ImuData rates;
   for (std::size_t i = 1; i < points.size(); ++i) {
     ImuSample sample{points[i].t_s, points[i].t_s - points[i - 1].t_s};
@@ -184,7 +184,7 @@ std::optional<AttitudeMistake> FindAttitudeMistake(const Flight& flight, double 
 
 std::optional<UnitAgreement> CompareAttitudes(const Flight& flight) {
   if (!flight.trajectory || !flight.imu) return std::nullopt;
-  const auto found = CompareUnits(*flight.imu, RatesOfAttitudes(flight.trajectory->points()));
+  const auto found = CompareUnits(*flight.imu, AttitudeRates(flight.trajectory->points()));
   const bool one_size = found && found->noise_radps < kSameTurns * found->motion_radps;
   return one_size ? found : std::nullopt;
 }

@@ -53,6 +53,10 @@ struct GnssColumns {
   /// For kOdyn: names of the columns (t, lat, lon, h, sigma_e ..., ve ..., sigma_ve ...); empty: by
   /// their number. Only complete triples are used.
   ColumnNames names = {};
+  /// For kOdyn with names: rows without a position (empty, or a latitude and longitude of 0) and
+  /// rows that repeat the position of the row before are left out and counted. A log of several
+  /// sensors has them.
+  bool only_changed = false;
 };
 
 /// Reads a file of GNSS solutions and sorts them by time. Identical repeated rows are dropped and

@@ -20,8 +20,8 @@ struct UnitAgreement {
   double sigma_drift = 0.0;
   Eigen::Quaterniond q_ba = Eigen::Quaterniond::Identity();      ///< axes of a -> axes of b
   Eigen::Vector3d sigma_rotation_rad = Eigen::Vector3d::Zero();  ///< axes of b
-  double first_s = 0.0;      ///< begin of the common span, tags of a
-  double last_s = 0.0;       ///< its end
+  double first_s = 0.0;  ///< begin of the common span, tags of a
+  double last_s = 0.0;   ///< its end
   /// Means over bins of a tenth of a second, or of a row if rows are longer: rms of the differences
   /// of the rates, and of the rates of a without their mean. Both are per axis.
   double noise_radps = 0.0, motion_radps = 0.0;

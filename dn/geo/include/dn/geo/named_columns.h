@@ -12,6 +12,9 @@ namespace dn {
 ///   t, t_ms, t_us, t_ns  time in s, ms, us, ns; nsec: nanoseconds, added to t
 ///   t_min, t_100us       time in minutes, or in 0.1 ms
 ///   t_utc                calendar time (CalendarSeconds)
+///   time_of_day          time of day (SecondsIntoDay)
+///   date_utc             date (DateSeconds), added to t; the year is first. The day is first in
+///                        date_utc_dmy, the month in date_utc_mdy
 ///   week, skip           GPS week, counted from that of the first row; a column that is not used
 ///   NAME, -NAME          a quantity, with the opposite sign; NAME_rad: an angle in rad, not deg
 ///   lat_min, lat_sec     minutes and seconds, added to lat; the same for lon
@@ -37,6 +40,10 @@ std::string FormatColumnNames(const ColumnNames& names);
 /// that is named twice, and without a time.
 void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& quantities);
 
+/// Treatment of rows without any quantity after the time. Their fields are missing, empty, or a
+/// word such as nan.
+enum class EmptyRows { kError, kLeaveOut };
+
 /// Reads a text file into a table with the columns time [s] and `quantities`. Lines before the
 /// first row with a time and all columns are a header and ignored, as are lines that begin with #
 /// or %. Columns after the last name and the values of columns named `skip` are ignored. Fields are
@@ -45,6 +52,6 @@ void CheckColumnNames(const ColumnNames& names, const std::vector<std::string>& 
 /// no column. Rows after the first max_rows are not read.
 TextTable ReadNamedColumns(const std::filesystem::path& file, const ColumnNames& names,
                            const std::vector<std::string>& quantities,
-                           std::size_t max_rows = SIZE_MAX);
+                           std::size_t max_rows = SIZE_MAX, EmptyRows empty = EmptyRows::kError);
 
 }  // namespace dn

@@ -33,7 +33,8 @@ struct FileContent {
   bool has_velocity = false;  ///< for kGnss: the file has velocities
   /// For kGnss: names of columns with an accuracy that `columns` cannot express, in quotes.
   std::string accuracy;
-  std::string crs;  ///< for kGnss: the coordinate system, if it is not geographic
+  std::string crs;            ///< for kGnss: the coordinate system, if it is not geographic
+  bool only_changed = false;  ///< for kGnss: `rows: changed` of flight.yaml
   /// For kGnss in geographic coordinates: columns of a trajectory with the same positions, if the
   /// header names roll, pitch and heading.
   ColumnNames attitude;
@@ -61,11 +62,12 @@ struct FileContent {
 ///   kSmrmsg      records of POSPac's smrmsg
 ///
 /// Does not throw for any content of the file. A log with several kinds of messages gives the first
-/// kind; InspectFolder gives all.
+/// kind, and a table of inertial data and positions gives the inertial data; InspectFolder gives
+/// all.
 FileContent InspectFile(const std::filesystem::path& file);
 
-/// Returns the contents of the entries of a folder, sorted by name. A log with several kinds of
-/// messages has one content for each. Folders, hidden files, YAML and
+/// Returns the contents of the entries of a folder, sorted by name. A file with several kinds of
+/// data has one content for each. Folders, hidden files, YAML and
 /// JSON are left out. An entry that cannot be read, such as a dangling link, is of unknown kind.
 std::vector<FileContent> InspectFolder(const std::filesystem::path& folder);
 

@@ -33,7 +33,8 @@ struct ImuConfig {
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
-  ColumnNames columns;  ///< for kOdyn: see GnssColumns
+  ColumnNames columns;        ///< for kOdyn: see GnssColumns
+  bool only_changed = false;  ///< `rows: changed`, see GnssColumns; needs `columns`
   /// Coordinates of the positions for kOdyn and kObGins, see TextCoordinates.
   std::string crs = "geographic";
   bool grid_north = false;     ///< velocities and sigmas refer to the axes of the UTM grid
