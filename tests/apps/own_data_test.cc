@@ -396,7 +396,7 @@ std::string OneTable(const RawFolder& raw, const std::string& between) {
   const TextTable imu = ReadTextTable(raw.path() + "/IMU.txt", {});
   const TextTable gps = ReadTextTable(raw.path() + "/GPS.txt", {});
   std::string text = "t,gx,gy,gz,ax,ay,az,lat,lon,alt\n", position = ",0,0,0";
-  for (std::size_t i = 0, k = 0; i < imu.rows(); ++i) {
+  for (std::size_t i = 0, k = 1; i < imu.rows(); ++i) {
     for (std::size_t c = 0; c < 7; ++c) text += (c > 0 ? "," : "") + FormatDouble(imu.row(i)[c]);
     const bool is_new = k < gps.rows() && gps.row(k)[0] <= imu.row(i)[0] + 1e-6;
     if (is_new) {

@@ -421,6 +421,21 @@ TEST(ContentGnss, ADateAndTheTimeOfDayInTwoColumns) {
   }
 }
 
+TEST(ContentGnss, ADateMayBeInGpsTime) {
+  for (const char* header : {"GPSDate,GPSTime,lat,lon,h\n", "date,GPS time,lat,lon,h\n",
+                             "UTC date,GPS time,lat,lon,h\n"}) {
+    SCOPED_TRACE(header);
+    const FileContent content =
+        LookAt(header + FlightRows([](const Place& p) {
+                 return CalendarRow(p, "20230921", "{:02}{:02}{:05.2f}", ',');
+               }));
+    const bool utc = std::string(header).starts_with("UTC");
+    EXPECT_THAT(content.columns,
+                ElementsAre(utc ? "date_utc" : "date_gps", "time_of_day", "lat", "lon", "h"));
+    EXPECT_EQ(content.time_offset_s, 2280 * 604800.0);
+  }
+}
+
 TEST(ContentGnss, AnAmbiguousDateIsNamed) {
   const auto look = [](const char* date) {
     return LookAt("date,time,lat,lon,h\n" + FlightRows([&](const Place& p) {

@@ -242,6 +242,9 @@ TEST(NamedColumns, ADateMayStandApartFromTheTimeOfDay) {
                               {"time_of_day", "date_utc_dmy", "h"}, {"h"});
   EXPECT_EQ(nmea.row(0)[0], t_s);
   EXPECT_EQ(nmea.row(2)[0] - nmea.row(1)[0], 1.0);
+  const TextTable gps =
+      Read("09/21/2023,09:50:00,500\n", {"date_gps_mdy", "time_of_day", "h"}, {"h"});
+  EXPECT_EQ(gps.row(0)[0], t_s);
   const auto read = [](const char* text) {
     return [text] { Read(text, {"date_utc_mdy", "time_of_day", "h"}, {"h"}); };
   };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPerMinute = 1.0 / 60.0, kPerSecond = 1.0 / 3600.0;
 
-constexpr std::array<Addend, 11> kAddends{
+constexpr std::array<Addend, 14> kAddends{
     {{"undulation", "h", 1.0, false},
      {"nsec", "t", 1e-9, false},
      {"lat_min", "lat", kPerMinute, true},
@@ -23,7 +23,10 @@ constexpr std::array<Addend, 11> kAddends{
      {"lon_ew", "lon", 1.0, false, "EW"},
      {"date_utc", "t", 1.0, false, "", DateOrder::kYearFirst},
      {"date_utc_dmy", "t", 1.0, false, "", DateOrder::kDayFirst},
-     {"date_utc_mdy", "t", 1.0, false, "", DateOrder::kMonthFirst}}};
+     {"date_utc_mdy", "t", 1.0, false, "", DateOrder::kMonthFirst},
+     {"date_gps", "t", 1.0, false, "", DateOrder::kYearFirst, true},
+     {"date_gps_dmy", "t", 1.0, false, "", DateOrder::kDayFirst, true},
+     {"date_gps_mdy", "t", 1.0, false, "", DateOrder::kMonthFirst, true}}};
 
 /// Units at the end of a name: those of lengths, and angles as integers.
 struct ColumnUnit {

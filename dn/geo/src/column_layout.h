@@ -35,6 +35,7 @@ struct Addend {
   std::string_view hemispheres = {};
   /// The text of the column is a date, with the day and the month in this order.
   std::optional<DateOrder> date = {};
+  bool is_gps = false;  ///< the date is in GPS time, not in UTC
 };
 
 /// Returns the addend with this name; nullptr if there is none.

@@ -143,7 +143,9 @@ class NamedRows {
   /// Returns the beginning of a day, GPS seconds since 1980.
   double Day(const ColumnLayout::AddedPlace& added) const {
     const std::string_view field = fields_[added.place];
-    if (const std::optional<double> day_s = DateSeconds(field, *added.addend->date)) return *day_s;
+    if (const std::optional<double> day_s = DateSeconds(field, *added.addend->date)) {
+      return *day_s - (added.addend->is_gps ? GpsMinusUtcS({0, *day_s}) : 0);
+    }
     throw InvalidInput("'" + std::string(field) + "' is not a date with the " +
                            LeadingPart(*added.addend->date) + " first",
                        Where(added.place));

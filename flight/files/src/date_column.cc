@@ -56,15 +56,16 @@ bool IsWhole(double value) { return value > 0.0 && value < 1e8 && value == std::
 }  // namespace
 
 std::string DateColumn::Name() const {
+  const std::string name = is_gps ? "date_gps" : "date_utc";
   switch (order) {
     case DateOrder::kYearFirst:
       break;
     case DateOrder::kDayFirst:
-      return "date_utc_dmy";
+      return name + "_dmy";
     case DateOrder::kMonthFirst:
-      return "date_utc_mdy";
+      return name + "_mdy";
   }
-  return "date_utc";
+  return name;
 }
 
 std::optional<double> DateColumn::Seconds(const Row& row) const {
@@ -86,6 +87,17 @@ std::optional<DateColumn> FindDateColumn(const Row& row) {
     if (found) return found;
   }
   return std::nullopt;
+}
+
+bool NamesGpsTime(const DateColumn& column, const std::vector<std::string>& names) {
+  if (column.at >= names.size() || column.time >= names.size()) return false;
+  bool gps = false;
+  for (const std::size_t at : {column.at, column.time}) {
+    const std::string name = LowerCase(names[at]);
+    if (name.find("utc") != name.npos) return false;
+    gps = gps || name.find("gps") != name.npos;
+  }
+  return gps;
 }
 
 std::optional<DateColumn> FindPlainDate(const std::vector<std::string>& names,

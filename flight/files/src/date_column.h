@@ -17,6 +17,7 @@ struct DateColumn {
   std::size_t time = 0;  ///< of the time of day
   DateOrder order = DateOrder::kYearFirst;
   bool is_guess = false;  ///< day and month may be exchanged
+  bool is_gps = false;    ///< in GPS time, not in UTC
 
   /// Returns the name for flight.yaml, such as "date_utc_dmy".
   std::string Name() const;
@@ -31,6 +32,9 @@ std::optional<DateColumn> FindDateColumn(const std::vector<std::string_view>& ro
 /// the names of the columns and all values.
 std::optional<DateColumn> FindPlainDate(const std::vector<std::string>& names,
                                         const TextTable& table);
+
+/// Returns whether the names of the two columns say that they are in GPS time.
+bool NamesGpsTime(const DateColumn& column, const std::vector<std::string>& names);
 
 /// Returns GPS seconds since 1980 of a row with a date and a time of day as numbers; nullopt if
 /// they are not.

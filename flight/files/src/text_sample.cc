@@ -59,6 +59,28 @@ void AppendFields(const Fields& fields, long line, TextSample* sample) {
   table.lines.push_back(line);
 }
 
+/// Corrects the times if the names say that they are in GPS time.
+void TakeGpsTime(TextSample* sample) {
+  if (!sample->date || !NamesGpsTime(*sample->date, sample->names)) return;
+  sample->date->is_gps = true;
+  TextTable& table = sample->table;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double& t_s = table.values[i * table.columns + sample->date->time];
+    if (std::isfinite(t_s)) t_s -= GpsMinusUtcS({0, t_s});
+  }
+}
+
+/// Returns the number of columns. The last field of the first row may be empty.
+std::size_t CountColumns(std::string_view line, const Fields& fields,
+                         const std::vector<std::vector<std::string>>& headers) {
+  const std::size_t last = line.find_last_not_of(" \r");
+  const bool ends_empty = last != line.npos && (line[last] == ',' || line[last] == ';');
+  const std::size_t more = fields.size() + 1;
+  const bool named = std::ranges::any_of(
+      headers, [&](const std::vector<std::string>& names) { return names.size() == more; });
+  return ends_empty && named ? more : fields.size();
+}
+
 /// Replaces the time of day by GPS seconds if dates and times are numbers.
 void TakePlainDate(TextSample* sample) {
   if (sample->date) return;
@@ -198,7 +220,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
       continue;
     }
     if (table.columns == 0) {
-      table.columns = fields.size();
+      table.columns = CountColumns(text, fields, headers);
       sample.first_row = Names(fields);
       sample.date = FindDateColumn(fields);
       sample.needs_names = sample.needs_names || line.find(';') != std::string_view::npos;
@@ -217,6 +239,7 @@ TextSample ReadTextSample(const std::filesystem::path& file, std::size_t max_row
   }
   SetNames(headers, &sample);
   TakePlainDate(&sample);
+  TakeGpsTime(&sample);
   for (const char* angle : {"lat", "lon"}) AddMinutes(angle, &sample);
   return sample;
 }

@@ -14,7 +14,8 @@ namespace dn {
 ///   t_utc                calendar time (CalendarSeconds)
 ///   time_of_day          time of day (SecondsIntoDay)
 ///   date_utc             date (DateSeconds), added to t; the year is first. The day is first in
-///                        date_utc_dmy, the month in date_utc_mdy
+///                        date_utc_dmy, the month in date_utc_mdy; date_gps, date_gps_dmy and
+///                        date_gps_mdy are in GPS time
 ///   week, skip           GPS week, counted from that of the first row; a column that is not used
 ///   NAME, -NAME          a quantity, with the opposite sign; NAME_rad: an angle in rad, not deg
 ///   lat_min, lat_sec     minutes and seconds, added to lat; the same for lon
