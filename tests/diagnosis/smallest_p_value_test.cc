@@ -114,22 +114,22 @@ class NullFlight {
 };
 
 TEST(SmallestPValue, IsUniformUnderTheModel) {
-  constexpr int kDraws = 1000;
+  constexpr int kSamples = 1000;
   constexpr double kBand = 3.5;
   // Sums of squares and scores count as independent, which gives up to a third too many tests.
   constexpr double kTests = 0.33;
   NullFlight flight;
   EXPECT_LT(flight.tests(), flight.all_tests());
-  const std::vector<double> p = flight.Draw(kDraws);
+  const std::vector<double> p = flight.Draw(kSamples);
   for (const double level : {0.01, 0.05, 0.2}) {
     const auto below = std::count_if(p.begin(), p.end(), [&](double one) { return one <= level; });
-    const double share = static_cast<double>(below) / kDraws;
-    const double sampling = std::sqrt(level * (1.0 - level) / kDraws);
+    const double share = static_cast<double>(below) / kSamples;
+    const double sampling = std::sqrt(level * (1.0 - level) / kSamples);
     EXPECT_NEAR(share, level, kBand * sampling + kTests * level) << level;
     RecordProperty("below_" + std::to_string(level), std::to_string(share));
   }
   double mean = 0.0;
-  for (const double one : p) mean += one / kDraws;
+  for (const double one : p) mean += one / kSamples;
   EXPECT_NEAR(mean, 0.5, 0.5 * kTests / (2.0 + kTests));
   RecordProperty("mean", std::to_string(mean));
 }

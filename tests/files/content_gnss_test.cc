@@ -421,6 +421,16 @@ TEST(ContentGnss, ADateAndTheTimeOfDayInTwoColumns) {
   }
 }
 
+TEST(ContentGnss, SecondsOfGpsTimeComeBeforeADate) {
+  const FileContent content =
+      LookAt("UTCDate,UTCTime,Latitude,Longitude,H-Ell,GPSTime\n" + FlightRows([](const Place& p) {
+               return CalendarRow(p, "9/21/2023", "{:02}:{:02}:{:05.2f}", ',') +
+                      fmt::format(",{:.2f}", p.t_s);
+             }));
+  EXPECT_THAT(content.columns, ElementsAre("skip", "skip", "lat", "lon", "h", "t"));
+  EXPECT_EQ(content.time_offset_s, 0.0);
+}
+
 TEST(ContentGnss, ADateMayBeInGpsTime) {
   for (const char* header : {"GPSDate,GPSTime,lat,lon,h\n", "date,GPS time,lat,lon,h\n",
                              "UTC date,GPS time,lat,lon,h\n"}) {

@@ -135,6 +135,11 @@ std::vector<TimeColumn> NamedTimes(const TextSample& sample,
   return times;
 }
 
+/// Returns whether a time is a stamp or GPS time, and not the time of day of the date.
+bool IsBetterThanDate(const TextSample& sample, const TimeColumn& time) {
+  return time.at != sample.date->time && TimeRank(sample.names[time.at]) < 2;
+}
+
 }  // namespace
 
 bool IsWeek(const TextTable& table, std::size_t at) {
@@ -191,19 +196,20 @@ std::vector<NamedColumn> FindMinutes(const std::vector<ColumnMeaning>& meanings)
 }
 
 std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps) {
-  if (sample.date) {
-    TimeColumn time{.at = sample.date->time, .name = kTimeOfDay, .date = sample.date};
-    return FindUnit(sample, steps, true, &time) ? std::optional(time) : std::nullopt;
-  }
   const std::vector<ColumnMeaning> meanings = FindMeanings(sample);
   const auto week = FindColumn(meanings, "week");
   for (TimeColumn& time : NamedTimes(sample, meanings)) {
+    if (sample.date && !IsBetterThanDate(sample, time)) continue;
     if (week) time.week = week->at;
     const bool is_sample_time = IsSampleTime(sample.names[time.at]);
     if (is_sample_time) SetSampleTimeUnit(sample, &time);
     const bool unit_is_named =
         !meanings[time.at].unit.empty() || time.name != "t" || is_sample_time;
     if (FindUnit(sample, steps, unit_is_named, &time)) return time;
+  }
+  if (sample.date) {
+    TimeColumn time{.at = sample.date->time, .name = kTimeOfDay, .date = sample.date};
+    return FindUnit(sample, steps, true, &time) ? std::optional(time) : std::nullopt;
   }
   std::vector<TimeColumn> candidates{{0, {}}};
   if (sample.table.columns > 2 && sample.table.rows() > 1) {

@@ -35,9 +35,9 @@ struct NamedColumn {
 };
 
 /// Finds the time by the names of the columns (stamps of sensors before GPS times, and these before
-/// others), or a date with its time of day. Without names it takes the first column, or the one
-/// next to a column of GPS weeks. The unit follows from the name, else from the size of the steps.
-/// Returns nullopt if the time does not increase, or has no plausible step in any unit.
+/// a date with its time of day, and this before others). Without names it takes the first column,
+/// or the one next to a column of GPS weeks. The unit follows from the name, else from the size of
+/// the steps. Returns nullopt if the time does not increase, or has no plausible step in any unit.
 std::optional<TimeColumn> FindTime(const TextSample& sample, const StepRange& steps);
 
 /// Returns whether a column is a GPS week: one whole number, or two adjacent ones.
