@@ -216,7 +216,9 @@ std::string FlightDraft::Named(const fs::path& file) const {
 
 void FlightDraft::TakeOne(const FileContent& content, const char* usual,
                           std::optional<FileContent>* place) {
-  const bool better = *place && Named(content.file) == usual;
+  // A file of its own comes before a table of several sensors.
+  const bool own = *place && (*place)->only_changed && !content.only_changed;
+  const bool better = own || (*place && Named(content.file) == usual);
   if (*place) {
     others_.push_back(better ? **place : content);
   }

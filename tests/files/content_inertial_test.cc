@@ -345,10 +345,23 @@ TEST(ContentInertial, PositionsInTheSameFile) {
       for (int k = 0; k < 2; ++k) begin = text.rfind('\t', begin - 1);
       text.replace(begin, at + 3 - begin, "\t\t\t");
     }
-    const FileContent content = Inspect(text);
+    const testing::TempFolder folder;
+    folder.Write("data.csv", text);
+    const std::vector<FileContent> contents = InspectFolder(folder.path());
+    const FileContent& content = contents.front();
     EXPECT_EQ(content.kind, FileKind::kImu) << content.why;
     EXPECT_THAT(content.columns,
                 ElementsAre("skip", "t_100us", "fx", "fy", "fz", "wx", "wy", "wz"));
+    if (every == 1) {  // the output of a filter
+      EXPECT_EQ(contents.size(), 1u);
+      EXPECT_THAT(content.why, HasSubstr("not positions of a receiver"));
+      continue;
+    }
+    ASSERT_EQ(contents.size(), 2u);
+    EXPECT_EQ(contents[1].kind, FileKind::kGnss);
+    EXPECT_TRUE(contents[1].only_changed);
+    EXPECT_THAT(contents[1].columns, ElementsAre("skip", "t_100us", "skip", "skip", "skip", "skip",
+                                                 "skip", "skip", "lat", "lon", "h"));
   }
 }
 

@@ -136,15 +136,24 @@ TextSample SpacedSample(const fs::path& file) {
   return sample;
 }
 
-/// Returns the GNSS positions in a file of inertial data, if there are any.
-std::optional<FileContent> GnssBesideImu(const FileContent& imu) {
-  if (imu.kind != FileKind::kImu || IsBinaryFile(imu.file)) return std::nullopt;
-  const TextSample sample = files_internal::ReadTextSample(imu.file, kRowsLookedAt);
-  if (!files_internal::NamesInertialData(files_internal::FindMeanings(sample))) return std::nullopt;
+/// Returns the GNSS positions in a file of inertial data, if there are any. Notes positions that
+/// are not used.
+std::optional<FileContent> GnssBesideImu(FileContent* imu) {
+  if (imu->kind != FileKind::kImu || IsBinaryFile(imu->file)) return std::nullopt;
+  const TextSample sample = files_internal::ReadTextSample(imu->file, kRowsLookedAt);
+  const auto meanings = files_internal::FindMeanings(sample);
   const auto time = files_internal::FindImuTime(sample);
-  std::optional<FileContent> gnss =
-      time ? files_internal::FindGnssBesideImu(sample, *time) : std::nullopt;
-  if (gnss) gnss->file = imu.file;
+  if (!time || !files_internal::NamesInertialData(meanings)) return std::nullopt;
+  std::optional<FileContent> gnss = files_internal::FindGnssBesideImu(sample, *time);
+  if (gnss) {
+    gnss->file = imu->file;
+  } else if (files_internal::FindColumn(meanings, "lat") &&
+             files_internal::FindColumn(meanings, "lon")) {
+    imu->why += imu->why.empty() ? "" : "; ";
+    imu->why +=
+        "its latitude and longitude are not used: they are not positions of a receiver at "
+        "25 Hz or less";
+  }
   return gnss;
 }
 
@@ -271,7 +280,7 @@ std::vector<FileContent> InspectParts(const fs::path& file) {
     std::vector<FileContent> messages = InspectMessages(file);
     if (!messages.empty()) return messages;
     DescribeFile(&content);
-    if (auto gnss = GnssBesideImu(content)) return {content, *gnss};
+    if (auto gnss = GnssBesideImu(&content)) return {content, *gnss};
   } catch (const std::exception& error) {
     content = FileContent();
     content.file = file;

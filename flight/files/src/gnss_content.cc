@@ -237,10 +237,12 @@ std::optional<FileContent> FindGnssBesideImu(const TextSample& sample, const Tim
     return std::nullopt;
   }
   const TextTable table = ChangedPositions(GnssRows(sample, time, found.choice.Quantities()));
-  if (table.rows() < kFewestChanged || !AreCoordinates(table)) return std::nullopt;
+  const bool rare = MedianTimeStep(table) >= kGnssSteps.least_s;  // not the output of a filter
+  if (table.rows() < kFewestChanged || !rare || !AreCoordinates(table)) return std::nullopt;
   FileContent content;
   content.kind = FileKind::kGnss;
-  content.why = found.choice.note;
+  content.why = found.choice.note + (found.choice.note.empty() ? "" : "; ") +
+                "make sure that the positions are those of the receiver, not of a filter";
   content.time_offset_s = FindTimeOffset(table.row(0)[0]);
   DescribeGnss(sample, time, found.choice, table, &content);
   content.only_changed = true;

@@ -15,7 +15,8 @@ namespace dn::files_internal {
 ContentFit FitGnss(const TextSample& sample);
 
 /// Finds the positions in a file of inertial data, whose time is given: columns with names. They
-/// may be empty, 0, or repeated in rows without a new position.
+/// may be empty, 0, or repeated in rows without a new position. Positions that change at a
+/// higher rate than that of receivers are the output of a filter, and not found.
 std::optional<FileContent> FindGnssBesideImu(const TextSample& sample, const TimeColumn& time);
 
 /// Returns whether the header names latitude and longitude, but no rates and forces.
