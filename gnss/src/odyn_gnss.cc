@@ -1,7 +1,7 @@
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
+#include <dn/gnss/changed_positions.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "gnss_readers.h"
@@ -57,15 +57,11 @@ void KeepChangedPositions(TextTable* table, GnssData* data) {
   long empty = 0, repeated = 0;
   for (std::size_t i = 0; i < table->rows(); ++i) {
     const double* row = table->row(i);
-    if (row[1] == 0.0 && row[2] == 0.0) {
-      ++empty;
-      continue;
-    }
-    if (before != nullptr && std::equal(row + 1, row + 4, before + 1)) {
-      ++repeated;
-      continue;
-    }
-    before = row;
+    const RowPosition position = ComparePosition(row + 1, before);
+    if (position == RowPosition::kNone) ++empty;
+    if (position == RowPosition::kRepeated) ++repeated;
+    if (position != RowPosition::kNew) continue;
+    before = row + 1;
     kept.values.insert(kept.values.end(), row, row + table->columns);
     kept.lines.push_back(table->lines[i]);
   }

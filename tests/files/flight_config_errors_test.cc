@@ -67,6 +67,11 @@ TEST(FlightConfigErrors, WrongShape) {
   ExpectBad("time_span_s: [1]\n", "a list of 2 numbers", 1);
 }
 
+TEST(FlightConfigErrors, ChangedRowsNeedColumns) {
+  ExpectBad("gnss:\n  rows: changed\n", "changed needs columns", 2);
+  ExpectBad("gnss:\n  rows: new\n", "'new' is not one of all, changed", 2);
+}
+
 TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("gnss:\n  sigma_scale: 0\n", "must be greater than 0, is 0", 2);
   ExpectBad("gnss:\n  velocity_sigma_scale: 0\n", "must be greater than 0, is 0", 2);

@@ -497,4 +497,11 @@ TEST(FlightConfig, UnitsMayBeNumbers) {
   EXPECT_EQ(again.imu->read.columns, config.imu->read.columns);
 }
 
+TEST(FlightConfig, ChangedRowsAreKept) {
+  const FlightConfig config = Parse("gnss: {columns: [t, lat, lon, h], rows: changed}\n");
+  EXPECT_TRUE(config.gnss->only_changed);
+  EXPECT_TRUE(Parse(FormatFlightConfig(config)).gnss->only_changed);
+  EXPECT_FALSE(Parse("gnss: {columns: [t, lat, lon, h], rows: all}\n").gnss->only_changed);
+}
+
 }  // namespace dn::files_test

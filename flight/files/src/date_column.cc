@@ -56,7 +56,7 @@ bool IsWhole(double value) { return value > 0.0 && value < 1e8 && value == std::
 }  // namespace
 
 std::string DateColumn::Name() const {
-  const std::string name = is_gps ? "date_gps" : "date_utc";
+  std::string name = is_gps ? "date_gps" : "date_utc";
   switch (order) {
     case DateOrder::kYearFirst:
       break;

@@ -1,6 +1,7 @@
 #include "gnss_content.h"
 
 #include <dn/geo/text_fields.h>
+#include <dn/gnss/changed_positions.h>
 
 #include <algorithm>
 #include <array>
@@ -91,16 +92,15 @@ void DescribeGnss(const TextSample& sample, const TimeColumn& time, const GnssCh
   content->columns = FormatNames(time, all);
 }
 
-/// Returns the rows whose position differs from that of the row before and is not 0.
+/// Returns the rows with a new position.
 TextTable ChangedPositions(const TextTable& table) {
   TextTable changed;
   changed.columns = table.columns;
   const double* before = nullptr;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double* row = table.row(i);
-    const bool none = row[1] == 0.0 && row[2] == 0.0;
-    if (none || (before != nullptr && std::equal(row + 1, row + 4, before + 1))) continue;
-    before = row;
+    if (ComparePosition(row + 1, before) != RowPosition::kNew) continue;
+    before = row + 1;
     changed.values.insert(changed.values.end(), row, row + table.columns);
     changed.lines.push_back(table.lines[i]);
   }
