@@ -202,11 +202,32 @@ void CheckConfig(const ScratchFolder& scratch) {
   }
 }
 
+/// Reads positions with the columns that were found.
+void CheckFoundGnss(const FileContent& content) {
+  if (content.kind != FileKind::kGnss || content.columns.empty()) return;
+  GnssColumns columns;
+  columns.names = content.columns;
+  columns.only_changed = content.only_changed;
+  try {
+    ReadGnss(content.file, content.gnss_format, content.time_offset_s, columns);
+  } catch (const InvalidInput&) {  // a later row may be wrong
+    return;
+  }
+}
+
+/// Looks at a file of any content, and reads the positions in it.
+void CheckContent(const fs::path& file) {
+  InspectFile(file);
+  for (const FileContent& content : InspectFolder(file.parent_path())) {
+    if (content.file == file) CheckFoundGnss(content);
+  }
+}
+
 void Read(char reader, std::string_view content) {
   static const ScratchFolder scratch;
   switch (reader) {
     case 'T':
-      InspectFile(scratch.Write("data.out", content));  // accepts everything
+      CheckContent(scratch.Write("data.out", content));  // accepts everything
       return CheckTable(scratch.Write("table.txt", content));
     case 'S':
       return CheckTrajectory(scratch.Write("trajectory.out", content));

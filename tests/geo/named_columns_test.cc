@@ -227,8 +227,15 @@ TEST(NamedColumns, DatesAndTimesOfDay) {
   EXPECT_EQ(SecondsIntoDay("09:49:42.5"), 35382.5);
   EXPECT_EQ(SecondsIntoDay("094942.5"), 35382.5);
   EXPECT_EQ(SecondsIntoDay("094942"), 35382.0);
-  for (const char* text : {"9:49:42", "24:00:00", "09:60:00", "09:49:61", "09:49", "0949",
-                           "09:4942", "09:49:42Z", "0949425", "09:49:4.5", "", "46.5"}) {
+  // Spreadsheets leave out zeros at the beginning.
+  EXPECT_EQ(SecondsIntoDay("9:49:42"), 35382.0);
+  EXPECT_EQ(SecondsIntoDay("94942.5"), 35382.5);
+  EXPECT_EQ(SecondsIntoDay("5.25"), 5.25);
+  EXPECT_EQ(DateSeconds("50923", kDay), DateSeconds("050923", kDay));
+  EXPECT_EQ(DateSeconds("5092023", kDay), DateSeconds("05092023", kDay));
+  for (const char* text :
+       {"24:00:00", "09:60:00", "09:49:61", "09:49", "09:4942", "9:4942:00", "09:49:42Z", "0949425",
+        "09:49:4.5", "", "x", "95942x", "250000", ".5", "-5", "-1:00:00"}) {
     EXPECT_FALSE(SecondsIntoDay(text)) << text;
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <string>
 
 namespace dn {
 namespace {
@@ -18,6 +19,13 @@ std::optional<int> Digits(std::string_view text, std::size_t at, std::size_t cou
     return std::isdigit(static_cast<unsigned char>(c)) != 0;
   });
   return digits ? std::optional(static_cast<int>(*FieldNumber(part))) : std::nullopt;
+}
+
+/// Adds the zeros at the beginning of a number that a table of numbers loses.
+std::string WithLeadingZeros(std::string_view number, std::size_t digits) {
+  const std::size_t whole = std::min(number.find('.'), number.size());
+  return whole == 0 || whole >= digits ? std::string(number)
+                                       : std::string(digits - whole, '0') + std::string(number);
 }
 
 /// Returns the seconds of an offset such as "Z", "+02:00" or "-0330"; no text means UTC.
@@ -76,7 +84,10 @@ std::optional<Date> FindDate(std::string_view text, DateOrder order) {
 }  // namespace
 
 std::optional<double> DateSeconds(std::string_view text, DateOrder order) {
-  const std::optional<Date> date = FindDate(text, order);
+  const bool separators = text.find_first_not_of("0123456789") != text.npos;
+  const std::string padded =
+      separators ? std::string(text) : WithLeadingZeros(text, text.size() > 6 ? 8 : 6);
+  const std::optional<Date> date = FindDate(padded, order);
   if (!date) return std::nullopt;
   try {
     const GpsTime utc = CalendarToGpsTime((*date)[0], (*date)[1], (*date)[2], 0, 0, 0.0);
@@ -87,13 +98,15 @@ std::optional<double> DateSeconds(std::string_view text, DateOrder order) {
 }
 
 std::optional<double> SecondsIntoDay(std::string_view text) {
-  const std::size_t colon = text.size() > 2 && text[2] == ':' ? 1 : 0;
-  const auto hours = Digits(text, 0, 2), minutes = Digits(text, 2 + colon, 2);
-  const std::size_t at = 4 + 2 * colon;
-  if (!hours || !minutes || !Digits(text, at, 2) || (colon == 1 && text[5] != ':')) {
-    return std::nullopt;
-  }
-  const std::string_view rest = text.substr(at);
+  const bool colons = text.find(':') != text.npos;
+  const bool short_hours = text.size() > 1 && text[1] == ':';
+  const std::string padded =
+      colons ? (short_hours ? "0" : "") + std::string(text) : WithLeadingZeros(text, 6);
+  const std::size_t step = colons ? 3 : 2;
+  const auto hours = Digits(padded, 0, 2), minutes = Digits(padded, step, 2);
+  if (!hours || !minutes || !Digits(padded, 2 * step, 2)) return std::nullopt;
+  if (colons && (padded[2] != ':' || padded[5] != ':')) return std::nullopt;
+  const std::string_view rest = std::string_view(padded).substr(2 * step);
   const bool is_number = rest.find_first_not_of("0123456789.") == rest.npos;
   const auto seconds =
       is_number && (rest.size() == 2 || rest[2] == '.') ? FieldNumber(rest) : std::nullopt;
@@ -107,7 +120,7 @@ std::optional<double> CalendarSeconds(std::string_view text) {
   const std::string_view time = text.substr(between + 1);
   const std::size_t end = std::min(time.find_first_not_of("0123456789.:"), time.size());
   const auto day_s = DateSeconds(text.substr(0, between), DateOrder::kYearFirst);
-  const bool colons = time.size() > 2 && time[2] == ':';
+  const bool colons = time.find(':') < 3;
   const auto time_s = colons ? SecondsIntoDay(time.substr(0, end)) : std::nullopt;
   const auto zone_s = ZoneSeconds(time.substr(end));
   if (!day_s || !time_s || !zone_s) return std::nullopt;

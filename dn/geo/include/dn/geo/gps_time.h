@@ -26,12 +26,13 @@ enum class DateOrder { kYearFirst, kDayFirst, kMonthFirst };
 
 /// Returns GPS seconds since 1980-01-06 at the beginning of a day in UTC. The date has dashes,
 /// slashes or dots, as in "2023-09-21" or "9/21/2023", or two digits for each number, as in
-/// "20230921" and "210923". The day is first in a date with dots and the year at its end, whatever
-/// the order. Returns nullopt for any other text, and for a date that does not exist.
+/// "20230921" and "210923", whose first zero may be missing. The day is first in a date with dots
+/// and the year at its end, whatever the order. Returns nullopt for any other text, and for a date
+/// that does not exist.
 std::optional<double> DateSeconds(std::string_view text, DateOrder order);
 
-/// Returns the seconds of a time of day such as "09:49:42.02" or "094942.02"; nullopt for any other
-/// text.
+/// Returns the seconds of a time of day such as "09:49:42.02" or "094942.02". Zeros at the
+/// beginning may be missing. Returns nullopt for any other text.
 std::optional<double> SecondsIntoDay(std::string_view text);
 
 /// Returns GPS seconds since 1980-01-06 for a calendar time in UTC of ISO 8601, such as
