@@ -147,11 +147,12 @@ class Span {
     return b_.Mean(SecondTag(relation, t_s)) - relation.R_ba * a_.Mean(t_s) - relation.bias_radps;
   }
 
-  /// Adds the normal equations of one bin.
+  /// Adds the normal equations of one bin. The slope is that of a: noise of b in slope and residual
+  /// would pull the offset to where bins lie between rows, since two rows average it there.
   void Accumulate(const Relation& relation, double t_s, Normals* N, Parameters* g) const {
-    const double tag_s = SecondTag(relation, t_s);
-    const double half_s = 0.5 * b_.bin_s();
-    const Vector3d slope = (b_.Mean(tag_s + half_s) - b_.Mean(tag_s - half_s)) / b_.bin_s();
+    const double half_s = 0.5 * a_.bin_s();
+    const Vector3d slope =
+        relation.R_ba * (a_.Mean(t_s + half_s) - a_.Mean(t_s - half_s)) / a_.bin_s();
     Eigen::Matrix<double, 3, 8> J;
     J << slope, (t_s - first_s_) * slope, Skew(Vector3d(relation.R_ba * a_.Mean(t_s))),
         -Matrix3d::Identity();

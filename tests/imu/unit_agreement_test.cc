@@ -23,12 +23,13 @@ struct Unit {
   Eigen::Quaterniond q_unit_body = Eigen::Quaterniond::Identity();
   double rate_hz = 100.0;
   unsigned seed = 1;
-  double bending_radps = 0.0;  // rate at which the axes turn about x
+  double bending_radps = 0.0;         // rate at which the axes turn about x
+  double noise_radps = kNoise_radps;  // of means over a tenth of a second
 
   ImuData Record(double length_s) const {
     ImuData imu;
     std::mt19937 random(seed);
-    std::normal_distribution<double> noise(0.0, kNoise_radps * std::sqrt(0.1 * rate_hz));
+    std::normal_distribution<double> noise(0.0, noise_radps * std::sqrt(0.1 * rate_hz));
     const double dt_s = 1.0 / rate_hz;
     for (double t_s = dt_s; t_s < length_s; t_s += dt_s) {
       const Eigen::Quaterniond bend = Exp(Eigen::Vector3d(bending_radps * t_s, 0.0, 0.0));
@@ -71,12 +72,37 @@ TEST(UnitAgreement, RowsMayBeRare) {
     const auto found = CompareUnits(Unit{}.Record(400.0), other.Record(400.0));
     ASSERT_TRUE(found);
     const double true_s = other.offset_s + other.drift * found->first_s;
-    EXPECT_NEAR(found->offset_s, true_s, 0.02 / rate_hz + kSigmas * found->sigma_offset_s);
+    EXPECT_NEAR(found->offset_s, true_s, kSigmas * found->sigma_offset_s);
     EXPECT_LT(found->noise_radps, 0.1 * found->motion_radps);
   }
   Unit rare = OtherUnit();
   rare.rate_hz = 2.0;
   EXPECT_FALSE(CompareUnits(Unit{}.Record(90.0), rare.Record(90.0)));
+}
+
+// The offset must not depend on where the rows of a noisy log lie between the bins.
+TEST(UnitAgreement, NoiseOfRareRowsDoesNotMoveTheOffset) {
+  double sum = 0.0, square = 0.0;
+  constexpr int kLogs = 24;
+  for (int k = 0; k < kLogs; ++k) {
+    SCOPED_TRACE(k);
+    Unit log = OtherUnit();
+    log.rate_hz = 10.0;
+    log.noise_radps = 0.03;
+    log.drift = 0.0;
+    log.offset_s = -497.0 + 0.1 * k / kLogs;
+    log.seed = 100 + k;
+    const auto found = CompareUnits(Unit{}.Record(400.0), log.Record(400.0));
+    ASSERT_TRUE(found);
+    const double middle_s = 0.5 * (found->last_s - found->first_s);
+    const double error_s = found->offset_s + found->drift * middle_s - log.offset_s;
+    EXPECT_LT(std::abs(error_s), kSigmas * found->sigma_offset_s);
+    sum += error_s / found->sigma_offset_s;
+    square += std::pow(error_s / found->sigma_offset_s, 2);
+  }
+  // The offset in the middle of the record has half the sigma of that at its begin.
+  EXPECT_LT(std::abs(sum / kLogs), kSigmas / std::sqrt(kLogs));
+  EXPECT_LT(square / kLogs, 1.0);
 }
 
 TEST(UnitAgreement, UnitsThatTurnAgainstEachOtherDisagree) {

@@ -182,7 +182,7 @@ TEST(AttitudeAgreement, IndependentClocksAndAxesAreFound) {
     for (ImuSample& sample : flight.imu->samples) sample.w_ib_b_radps = q_sb * sample.w_ib_b_radps;
     const auto found = CompareAttitudes(flight);
     ASSERT_TRUE(found);
-    EXPECT_NEAR(found->offset_s, shift_s, 0.02 + 4.0 * found->sigma_offset_s);
+    EXPECT_NEAR(found->offset_s, shift_s, 4.0 * found->sigma_offset_s);
     EXPECT_LT(found->q_ba.angularDistance(q_sb.conjugate()), 0.02);
   }
 }

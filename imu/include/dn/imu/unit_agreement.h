@@ -32,7 +32,8 @@ struct UnitAgreement {
   double p_value = 1.0;  ///< probability of such a ratio or a larger one if the units agree
 };
 
-/// Finds the relation of two units whose clocks are independent of each other. The magnitudes of
+/// Finds the relation of two units whose clocks are independent of each other. If one of them has
+/// few rows or much noise, it must be b. The magnitudes of
 /// the rates, which do not depend on axes, give the offset; least squares over the rates give the
 /// rest. Returns nullopt if the units do not measure the same rotations during 20 s at least, or
 /// during 200 rows of the slower unit. Also returns nullopt if two offsets fit about as well, or if
