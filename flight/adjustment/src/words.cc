@@ -125,8 +125,7 @@ std::string Say(const facts::ErrorsShared& fact) {
   const CommonErrorCheck& common = fact.common;
   return fmt::format(
       "the residuals of {} share errors of about {:.2g} sigma, although the model assumes that "
-      "they "
-      "are independent ({}); these errors may move the result by {:.1f} sigma{}: {}",
+      "they are independent ({}); these errors may move the result by {:.1f} sigma{}: {}",
       common.name, common.sigma, P(common.p_value), common.max_shift_sigmas,
       common.covered ? ", which the reported sigmas contain" : "", SharedErrorCause(common));
 }

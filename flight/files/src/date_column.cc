@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <initializer_list>
 
@@ -44,13 +43,6 @@ std::optional<std::size_t> FindNamed(const std::vector<std::string>& names,
   const auto found =
       std::ranges::find_if(names, [&](const std::string& name) { return HasWord(name, words); });
   return found == names.end() ? std::nullopt : std::optional<std::size_t>(found - names.begin());
-}
-
-/// Formats a whole number with leading zeros.
-std::string Digits(double value, int digits) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%0*.0f", digits, value);
-  return text;
 }
 
 bool IsWhole(double value) { return value > 0.0 && value < 1e8 && value == std::floor(value); }
@@ -125,9 +117,9 @@ std::optional<DateColumn> FindPlainDate(const std::vector<std::string>& names,
 std::optional<double> PlainSeconds(const DateColumn& column, const double* row) {
   const double date = row[column.at], time = row[column.time];
   if (!IsWhole(date) || !(time >= 0.0 && time < 240000.0)) return std::nullopt;
-  const auto day_s = DateSeconds(Digits(date, date < 1e6 ? 6 : 8), column.order);
+  const auto day_s = DateSeconds(std::to_string(static_cast<long>(date)), column.order);
   const double whole = std::floor(time);
-  const auto time_s = SecondsIntoDay(Digits(whole, 6));
+  const auto time_s = SecondsIntoDay(std::to_string(static_cast<long>(whole)));
   return day_s && time_s ? std::optional(*day_s + *time_s + (time - whole)) : std::nullopt;
 }
 
